@@ -4,12 +4,10 @@ use std::io;
 use std::path::Path;
 
 use lashloop_bench::device::twin::Twin;
-use lashloop_bench::device::{DeviceChoice, Syntax, kinds};
+use lashloop_bench::device::{BuiltIn, DeviceChoice, Syntax, kinds};
 use lashloop_bench::link::Link;
-use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::scenario::plant::standard;
 use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_plant::{PlantModel, Plants};
 
@@ -21,33 +19,12 @@ use crate::error::Error;
 #[derive(Clone)]
 pub struct Bench {
     plants: Plants,
-    drive: Drive,
+    drive: BuiltIn,
 }
-
-/// The drive that is part of this program, by its laws.
-#[derive(Clone, Copy)]
-struct Drive {
-    devices: Devices,
-    in_process: fn() -> Box<dyn Link>,
-    serve: fn(&Twin) -> io::Result<()>,
-}
-
-impl Drive {
-    fn with_laws<L: LawSet>() -> Self {
-        Self {
-            devices: kinds::all::<L>(),
-            in_process: || Box::new(InProcess::<L>::default()),
-            serve: Twin::serve_laws::<L>,
-        }
-    }
-}
-
-/// Every kind of device.
-type Devices = [Syntax; kinds::COUNT];
 
 impl Default for Bench {
     fn default() -> Self {
-        Self { plants: standard(), drive: Drive::with_laws::<Laws>() }
+        Self { plants: standard(), drive: BuiltIn::default() }
     }
 }
 
@@ -62,7 +39,7 @@ impl Bench {
     /// program's own command `device`. Images and boards describe the laws that they were built with.
     #[must_use]
     pub fn with_laws<L: LawSet>(self) -> Self {
-        Self { drive: Drive::with_laws::<L>(), ..self }
+        Self { drive: BuiltIn::with_laws::<L>(), ..self }
     }
 
     /// The same bench and another plant. It replaces a plant of its name.
@@ -101,7 +78,7 @@ impl Bench {
         self.plants.clone()
     }
 
-    pub(crate) fn devices(&self) -> Devices {
+    pub(crate) fn devices(&self) -> [Syntax; kinds::COUNT] {
         self.drive.devices
     }
 

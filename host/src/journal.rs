@@ -3,12 +3,12 @@
 //! The first line identifies the command. Each line is one write. A partial line at the end, after a power failure, is
 //! discarded and its run is repeated.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs;
+use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-use std::{fs, thread};
 
+use lashloop_bench::resume::{self, ResumeError};
 use lashloop_bench::run::digest;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -23,15 +23,8 @@ pub trait JournalHeader: Serialize + DeserializeOwned {
 pub enum JournalError {
     #[error("{}: can't be {action}: {source}", path.display())]
     Io { path: PathBuf, action: &'static str, source: io::Error },
-    #[error("{} already holds results: resume with --resume, or choose another folder with --out", path.display())]
-    Exists { path: PathBuf },
-    #[error("{} is being written by another lashloop: wait for its end, or choose another folder with --out", path.display())]
-    InUse { path: PathBuf },
-    #[error(
-        "{} can't be resumed: its {what} is {there}, here it is {here}; make them the same, or choose another folder with --out",
-        path.display()
-    )]
-    Other { path: PathBuf, what: &'static str, there: String, here: String },
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
     #[error("{}:{line}: {problem}; choose another folder with --out, or remove the line", path.display())]
     Malformed {
         path: PathBuf,
@@ -48,9 +41,6 @@ pub enum JournalError {
 pub fn program_sha256() -> io::Result<String> {
     std::env::current_exe().and_then(fs::read).map(|bytes| digest::sha256(&bytes))
 }
-
-/// Timeout for the lock of another process.
-const LOCK_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// An open journal, locked for this process.
 #[derive(Debug)]
@@ -69,10 +59,22 @@ impl Journal {
     pub fn create(path: &Path, header: &impl JournalHeader) -> Result<Self, JournalError> {
         let file = OpenOptions::new().append(true).create_new(true).open(path);
         let file = file.map_err(|source| match source.kind() {
-            io::ErrorKind::AlreadyExists => JournalError::Exists { path: path.to_owned() },
+            io::ErrorKind::AlreadyExists => ResumeError::Exists { path: path.to_owned() }.into(),
             _ => io_error(path, "opened")(source),
         })?;
         let mut journal = Self::lock(path, file)?;
+        journal.write(header)?;
+        Ok(journal)
+    }
+
+    /// Creates a journal, in place of an earlier one that no process writes.
+    ///
+    /// # Errors
+    /// The earlier one is in use, or the system refuses the file.
+    pub fn replace(path: &Path, header: &impl JournalHeader) -> Result<Self, JournalError> {
+        let file = OpenOptions::new().append(true).create(true).open(path);
+        let mut journal = Self::lock(path, file.map_err(io_error(path, "opened"))?)?;
+        journal.file.set_len(0).map_err(io_error(path, "written"))?;
         journal.write(header)?;
         Ok(journal)
     }
@@ -117,20 +119,11 @@ impl Journal {
         self.write(result)
     }
 
-    /// A new child process holds copies of its parent's locks until it executes its own program. A released lock can
-    /// therefore stay taken for a moment.
     fn lock(path: &Path, file: File) -> Result<Self, JournalError> {
-        let deadline = Instant::now() + LOCK_TIMEOUT;
-        loop {
-            match file.try_lock() {
-                Ok(()) => return Ok(Self { path: path.to_owned(), file, written: 0 }),
-                Err(TryLockError::WouldBlock) if Instant::now() < deadline => {
-                    thread::sleep(LOCK_TIMEOUT / 50);
-                }
-                Err(TryLockError::WouldBlock) => return Err(JournalError::InUse { path: path.to_owned() }),
-                Err(TryLockError::Error(source)) => return Err(io_error(path, "opened")(source)),
-            }
+        if !resume::lock(&file).map_err(io_error(path, "locked"))? {
+            return Err(ResumeError::InUse { path: path.to_owned() }.into());
         }
+        Ok(Self { path: path.to_owned(), file, written: 0 })
     }
 
     fn write(&mut self, line: &impl Serialize) -> Result<(), JournalError> {
@@ -164,7 +157,7 @@ impl Journal {
         match differs {
             None => Ok(()),
             Some(((what, there), (_, here))) => {
-                Err(JournalError::Other { path: self.path.clone(), what, there, here })
+                Err(ResumeError::Other { path: self.path.clone(), what, there, here }.into())
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_bench::run::{self, End};
+use lashloop_bench::run;
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::Signal;
 use lashloop_record::columns::Columns;
@@ -94,16 +94,6 @@ impl Outcome {
 impl fmt::Display for Outcome {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}", self.verdict())?;
-        let judgement = &self.run.judgement;
-        for missed in judgement.expectations.iter().filter(|judged| !judged.ok) {
-            write!(out, "\n{missed}")?;
-        }
-        for breach in &judgement.breaches {
-            write!(out, "\n{breach}")?;
-        }
-        if self.run.end != End::Complete {
-            write!(out, "\nended: {}", self.run.end)?;
-        }
-        Ok(())
+        self.run.reasons().iter().try_for_each(|reason| write!(out, "\n{reason}"))
     }
 }

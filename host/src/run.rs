@@ -1,13 +1,11 @@
 //! One run in memory: a scenario and a device in, an outcome out.
 
-use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::{Clock, DeviceUnderTest, RunStart, Step, StepObserver};
+use lashloop_bench::run::{Clock, DeviceUnderTest};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_record::columns::Columns;
-use lashloop_record::trace::{columns, row};
 
 use crate::error::Error;
 use crate::outcome::Outcome;
@@ -23,23 +21,7 @@ pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error>
     let supervisor = Supervisor::without_signals(None).map_err(Error::Thread)?;
     let opened = DeviceUnderTest::open(scenario, device, ClockName::Lockstep, &supervisor, |link| link);
     let mut device = opened.map_err(lashloop_bench::run::RunError::from)?;
-    let mut signals = Memory::default();
+    let mut signals = Columns::default();
     let run = lashloop_bench::run::run(scenario, &mut device, Clock::Lockstep, &mut signals)?;
-    Ok(Outcome::new(run, signals.0))
-}
-
-/// The record of a run in memory.
-#[derive(Default)]
-struct Memory(Columns);
-
-impl StepObserver for Memory {
-    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        self.0 = Columns::new(columns(start.signals));
-        Ok(())
-    }
-
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.0.push(row(step));
-        Ok(())
-    }
+    Ok(Outcome::new(run, signals))
 }

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 WORKSPACE = Path(__file__).resolve().parents[2]
 SCENARIOS = WORKSPACE / "scenarios"
+PROGRAM = os.environ.get("LASHLOOP_BIN", str(WORKSPACE / "target" / "debug" / "lashloop"))
 OUTPUT = WORKSPACE / "target" / "browser"
 CHROMIUM = os.environ.get("CHROMIUM_BIN", "/usr/bin/chromium")
 # A chart draws once the browser has laid out its place.
@@ -35,11 +36,10 @@ ARGUMENTS = [
 ]
 
 
-def lashloop(*arguments: str | Path) -> str:
-    """Runs the program; a run may end in any verdict."""
-    program = os.environ.get("LASHLOOP_BIN", str(WORKSPACE / "target" / "debug" / "lashloop"))
-    words = [program, *map(str, arguments)]
-    ended = subprocess.run(words, capture_output=True, text=True, timeout=100, check=False, cwd=WORKSPACE)
+def lashloop(*arguments: str | Path, folder: Path = WORKSPACE) -> str:
+    """Runs the program in a folder; a run may end in any verdict."""
+    words = [PROGRAM, *map(str, arguments)]
+    ended = subprocess.run(words, capture_output=True, text=True, timeout=100, check=False, cwd=folder)
     assert ended.returncode in (0, 1, 3), ended.stderr
     return ended.stdout
 
@@ -58,6 +58,11 @@ class Record:
     def summary(self) -> dict[str, Any]:
         summary: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
         return summary
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        manifest: dict[str, Any] = json.loads((self.folder / "record.json").read_text())
+        return manifest
 
     def rows(self) -> list[dict[str, float]]:
         """The steps of the trace, rounded; an empty field is no number."""
@@ -126,7 +131,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
     for context, path, watch in opened:
         context.__exit__(None, None, None)
         assert watch.messages == []
-        assert watch.requests == [path.as_uri()]
+        assert set(watch.requests) == {path.as_uri()}
 
 
 def run(folder: Path, scenario: Path, *arguments: str) -> Record:

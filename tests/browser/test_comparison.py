@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import pytest
@@ -37,4 +38,37 @@ def test_runs_are_distinguishable_and_differences_are_to_the_first(
     metrics = [it.summary["metrics"]["overshoot_rad"] for it in runs]
     first, second, third = metrics
     assert values == pytest.approx([first, second, second - first, third, third - first])
-    assert "digest of all torques" in page.locator("table.settings").inner_text()
+    settings = page.locator("table.settings")
+    laws = settings.locator("tr", has=page.get_by_text("controller.name", exact=True)).locator("td code")
+    assert laws.all_inner_texts()[1:] == [it.manifest["law"] for it in runs][1:]
+    rows = page.locator("table.runs tbody tr")
+    for row, record in zip(rows.all(), runs, strict=True):
+        assert row.locator(".hash").get_attribute("title") == record.summary["torque_sha256"]
+
+
+def test_a_diff_has_its_result_its_tolerances_and_the_first_difference(
+    open_page: Opener, runs: list[Record], tmp_path: Path
+) -> None:
+    before, after, _ = runs
+    path = tmp_path / "diff.html"
+    options = ["--only", "torque_nm", "load_position_rad", "static_error_rad", "--tolerance", "torque_nm=1000"]
+    result = json.loads(lashloop("diff", before.folder, after.folder, *options, "--json", "--html", path))
+    page = open_page(path)
+    page.screenshot(path=OUTPUT / "diff.png", full_page=True)
+    assert page.locator("#result .result").inner_text() == "DIFFERENT"
+    first = page.locator("table.first tbody tr")
+    assert first.locator("th").all_inner_texts() == [it[0] for it in result["first"]["signals"]]
+    rows = page.locator("table.differences tbody tr")
+    shown = {row.locator("th").inner_text(): row for row in rows.all()}
+    wanted = {it["name"]: it for it in [*result["signals"], *result["metrics"]]}
+    assert shown.keys() == wanted.keys()
+    for name, row in shown.items():
+        a, b = (wanted[name].get("largest") or wanted[name])["values"]
+        difference = float(row.locator("data").first.get_attribute("value") or "nan")
+        assert difference == pytest.approx(b - a)
+        assert row.locator(".grade").inner_text() == ("within" if name == "torque_nm" else "different")
+    assert set(page.locator("table.settings tbody th").all_inner_texts()) == {it["key"] for it in result["settings"]}
+    jump = page.locator("#result h3 .jump")
+    jump.click()
+    low, high = (float(edge.input_value()) for edge in page.locator("[data-edge]").all())
+    assert low <= result["first"]["time_s"] <= high

@@ -17,6 +17,17 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import Browser, Page
 
+# Notes the length of the longest array of the page.
+LONGEST_ARRAY = """
+    window.longest = 0;
+    window.Float32Array = new Proxy(Float32Array, {
+      construct(type, given) {
+        const made = new type(...given);
+        window.longest = Math.max(window.longest, made.length);
+        return made;
+      },
+    });
+"""
 # A machine that is shared wakes late; these runs are about the page.
 SETTINGS = ["allow.late=1000000", "controller.parameters.watchdog_us=60000000"]
 
@@ -47,10 +58,11 @@ def pages(browser: Browser) -> Iterator[Any]:
     """Opens live pages, which may request only their own server and must not log."""
     opened = []
 
-    def open_page(run: LiveRun, width: int = 1280, scheme: str = "light") -> Page:
+    def open_page(run: LiveRun, width: int = 1280, scheme: str = "light", script: str = "") -> Page:
         context = watched(browser, width, scheme, has_touch=False)
         page, watch = context.__enter__()
         opened.append((context, run, watch))
+        page.add_init_script(script)
         page.goto(run.url)
         page.wait_for_selector("g.curves path[d]:not([d=''])", state="attached", timeout=60_000)
         return page
@@ -100,3 +112,16 @@ def test_stop_ends_a_run_whose_charts_grow(pages: Any, tmp_path: Path) -> None:
     expect(page.locator("#badge")).to_have_text("INVALID", timeout=60_000)
     assert "interrupted by the user" in page.locator("#why").inner_text()
     assert run.end()["end"] == "interrupted by the user"
+
+
+def test_page_keeps_as_much_of_a_long_run_as_the_bench(pages: Any, tmp_path: Path) -> None:
+    # 20,000 fine buckets, of which the bench keeps 2,000, and 4,000 of the whole run, of which it keeps 5,000.
+    run = LiveRun(tmp_path, "--set", "run.duration_s=200", "--set", "expect=[]", "--set", "fault=[]")
+    page = pages(run, script=LONGEST_ARRAY)
+    expect(page.locator("#connection")).to_have_text("the run has ended", timeout=100_000)
+    assert run.end()["steps"] == 200_000
+    # A bucket has two values, and an array twice the buckets: the older half goes when it is full.
+    assert 0 < page.evaluate("window.longest") <= 2 * 2 * 5_000
+    box = "(it) => it.getBoundingClientRect().width"
+    plot = page.locator(".plot").first.evaluate(box)
+    assert page.locator("g.curves path").first.evaluate(box) > 0.8 * plot, "the curve covers the whole run"

@@ -10,7 +10,7 @@ import shutil
 from typing import TYPE_CHECKING
 
 import pytest
-from conftest import OUTPUT, WORKSPACE, Opener, Record, lashloop, run
+from conftest import DRAWN, OUTPUT, SCENARIOS, WORKSPACE, Opener, Record, lashloop, run, wait_until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,12 +86,35 @@ def test_the_sentence_names_what_is_missed(open_page: Opener, failed: Record) ->
 def test_a_run_of_25_s_opens_at_once_and_is_small(open_page: Opener, passed: Record) -> None:
     size = passed.page.stat().st_size
     assert size < 3_000_000
-    times = sorted(float(open_page(passed.page).evaluate("document.documentElement.dataset.ready")) for _ in range(2))
+    page = open_page(passed.page)
+    ready_ms = float(page.evaluate("document.documentElement.dataset.ready"))
+    busy_s = min(main_thread_s(page) for _ in range(3))
     report = WORKSPACE / "target" / "reports" / "browser.txt"
     report.parent.mkdir(parents=True, exist_ok=True)
-    report.write_text(f"report.html of 25 s at 1 kHz: {size / 1e6:.2f} MB, ready after {times[0]:.0f} ms (best of 2)\n")
-    # The aim is 1 s; the machine of a test is shared.
-    assert times[0] < 5_000
+    report.write_text(
+        f"report.html of 25 s at 1 kHz: {size / 1e6:.2f} MB, ready after {ready_ms:.0f} ms, "
+        f"{busy_s * 1e3:.0f} ms of processor time until it is drawn (best of 3)\n"
+    )
+    # Processor time, because the machine of a test is shared.
+    assert busy_s < 1
+
+
+def main_thread_s(page: Page) -> float:
+    """Processor time of the page's thread for a reload, up to the last chart drawn."""
+    client = page.context.new_cdp_session(page)
+    client.send("Performance.enable", {"timeDomain": "threadTicks"})
+
+    def total_s() -> float:
+        metrics = client.send("Performance.getMetrics")["metrics"]
+        return float(next(it["value"] for it in metrics if it["name"] == "TaskDuration"))
+
+    before_s = total_s()
+    page.reload()
+    page.wait_for_selector("html[data-ready]", timeout=30_000)
+    wait_until(page, DRAWN)
+    after_s = total_s()
+    client.detach()
+    return after_s - before_s
 
 
 def test_the_read_out_at_the_cursor_is_the_recorded_step(open_page: Opener, failed: Record) -> None:
@@ -181,9 +204,13 @@ def test_a_reader_learns_what_was_set_and_how_to_repeat_it(open_page: Opener, re
     row = page.locator("table.parameters tr", has_text="torque_limit_nm").locator("td").all_inner_texts()
     assert row[0] == "15"
     assert manifest["scenario"]["sha256"] in page.locator("#origin").inner_text()
-    command = page.locator("#repeat code").inner_text()
-    assert shlex.split(command) == manifest["command_line"]
-    assert f"{setting}=15" in command
+    command = page.locator("#origin dt", has_text=re.compile("^command$")).locator("xpath=following-sibling::dd[1]")
+    assert shlex.split(command.inner_text()) == manifest["command_line"]
+    assert manifest["working_directory"] == str(WORKSPACE)
+    program, *arguments = shlex.split(page.locator("#repeat code").inner_text())
+    assert program == "lashloop"
+    # From any folder, and on the record's own settings.
+    assert "EQUAL bit for bit" in lashloop(*arguments, folder=records)
 
 
 def test_a_record_of_format_1_states_what_it_lacks(open_page: Opener, failed: Record, tmp_path: Path) -> None:
@@ -194,3 +221,57 @@ def test_a_record_of_format_1_states_what_it_lacks(open_page: Opener, failed: Re
     page = open_page(folder / "report.html")
     assert "has no manifest" in page.locator("#origin").inner_text()
     assert page.locator("#repeat code").inner_text().startswith("lashloop run ")
+
+
+def test_a_record_of_one_step_is_a_page_with_its_point(open_page: Opener, records: Path) -> None:
+    short = ["--set", "run.duration_s=0.001", "--set", "expect=[]"]
+    record = run(records / "one", SCENARIOS / "smooth-after.toml", *short)
+    assert len(record.rows()) == 1
+    page = open_page(record.page)
+    paths = page.locator(".chart .curves path").evaluate_all("all => all.map((it) => it.getAttribute('d'))")
+    assert paths
+    assert all("h3" in path and "NaN" not in path for path in paths if path)
+    assert any(paths)
+    page.locator(".chart .plot").first.focus()
+    page.keyboard.press("Home")
+    assert page.locator(".cursor-time").inner_text().startswith("cursor 0.000")
+
+
+def test_a_run_that_ends_before_its_first_torque_has_its_verdict(
+    open_page: Opener, failed: Record, tmp_path: Path
+) -> None:
+    folder = tmp_path / "none"
+    shutil.copytree(failed.folder, folder)
+    (folder / "run.mcap").unlink()
+    for file in ("trace.csv", "timing.csv"):
+        (folder / file).write_text((folder / file).read_text().partition("\n")[0] + "\n")
+    lashloop("report", folder)
+    page = open_page(folder / "report.html")
+    assert page.locator(".badge").inner_text() == "FAIL"
+    assert page.locator(".chart, .controls:visible").count() == 0
+
+
+# Steps of the made-up trace: more than a page has rows for.
+MANY = 100_000
+
+
+def test_points_of_a_thinned_trail_are_points_of_the_run(open_page: Opener, tmp_path: Path) -> None:
+    folder = tmp_path / "circle"
+    folder.mkdir()
+    names = ["time_s", "reference_rad", "load_position_rad", "torque_nm", "load_velocity_rad_s"]
+    with (folder / "trace.csv").open("w") as file:
+        file.write(",".join(names) + "\n")
+        for step in range(MANY):
+            # A seventh of a turn in each step: neighbours are far apart.
+            angle = step * math.tau / 7.1
+            file.write(f"{step * 1e-3:.3f},0,{math.cos(angle):.6f},0,{math.sin(angle):.6f}\n")
+    lashloop("report", folder)
+    page = open_page(folder / "report.html")
+    drawn = page.locator(".chart", has_text="Phase plane").locator(".curves path").get_attribute("d") or ""
+    points = [(float(x), float(y)) for x, y in re.findall(r"[ML](-?[\d.]+) (-?[\d.]+)", drawn)]
+    assert len(points) > 1000
+    middle, half = zip(
+        *[((max(it) + min(it)) / 2, (max(it) - min(it)) / 2) for it in zip(*points, strict=True)], strict=True
+    )
+    radii = [math.hypot(*[(it[axis] - middle[axis]) / half[axis] for axis in (0, 1)]) for it in points]
+    assert all(radius == pytest.approx(1, abs=0.01) for radius in (min(radii), max(radii)))

@@ -15,9 +15,17 @@ use crate::{program, workspace};
 /// # Panics
 /// A command fails; the panic shows its output. Or the page has no command.
 pub fn through(page: &str, programs: &[&Path]) {
+    through_by(page, programs, || Command::new("sh"));
+}
+
+/// As [`through`], by a shell with variables of its own.
+///
+/// # Panics
+/// As [`through`].
+pub fn through_by(page: &str, programs: &[&Path], shell: impl Fn() -> Command) {
     let text = fs::read_to_string(workspace().join(page)).expect("the page");
     let folder = tempfile::tempdir().expect("a folder");
-    for entry in ["clients", "examples", "protocol", "scenarios"] {
+    for entry in ["campaigns", "clients", "examples", "protocol", "scenarios"] {
         symlink(workspace().join(entry), folder.path().join(entry)).expect("a link");
     }
     let lashloop = program::lashloop().parent().expect("the folder of the profile");
@@ -29,11 +37,8 @@ pub fn through(page: &str, programs: &[&Path]) {
             Some((_, file)) => fs::write(folder.path().join(file), contents).expect("a file of the page"),
             None if info == "sh" => {
                 commands += 1;
-                let ended = Command::new("sh")
-                    .args(["-exc", &contents])
-                    .env("PATH", &path)
-                    .current_dir(&folder)
-                    .output();
+                let ended =
+                    shell().args(["-exc", &contents]).env("PATH", &path).current_dir(&folder).output();
                 let ended = ended.expect("sh starts");
                 let [stdout, stderr] =
                     [&ended.stdout, &ended.stderr].map(|text| String::from_utf8_lossy(text));

@@ -8,6 +8,8 @@ use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::rcc;
+use rigless::time::VirtualNanos;
 
 use crate::serial_line::SerialLine;
 
@@ -21,6 +23,8 @@ const CORE_HZ: u64 = 168_000_000;
 const INSTRUCTIONS_PER_SECOND: u64 = CORE_HZ;
 /// USART2 among the serial ports of the part.
 const USART2: usize = 1;
+/// Address of RCC_CR, which enables the oscillators.
+pub(crate) const CLOCK_CONTROL: u64 = 0x4002_3800;
 /// TIM1 among the advanced timers of the part.
 pub(crate) const TIM1: usize = 0;
 const NAME: &str = "stm32f427";
@@ -43,6 +47,15 @@ impl Chip {
         mcu.set_supply(SUPPLY_MV);
         mcu.usart[USART2].attach(SerialLine::default());
         Ok(Self { mcu })
+    }
+
+    /// Keeps a crystal that has been enabled from starting. In the model an empty pin starts as a crystal does, but an oscillator
+    /// that is off by its due time doesn't.
+    pub(crate) fn hold_crystal(&mut self, at: VirtualNanos) {
+        self.mcu.drive_clocks(at, |_, registers, _| {
+            let control = registers.get(rcc::Register::Cr);
+            registers.set(rcc::Register::Cr, rcc::cr::HSEON.set(control, 0));
+        });
     }
 
     /// The far end of USART2.

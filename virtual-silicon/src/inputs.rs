@@ -4,12 +4,13 @@
 //! only while the image has selected the alternate function, and an open pin has the level of its pull resistor.
 
 use rigless::device::Level;
+use rigless::soc::stm32f427::generated::gpioa;
 use rigless::soc::stm32f427::peripherals::gpio::{Gpio, Pin as PortPin};
 use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
 use crate::chip::{Chip, TIM1};
-use crate::wiring::{Pin, TimerInput, Wiring};
+use crate::wiring::{Mode, Pin, Pull, TimerInput, Wiring};
 
 /// The levels that the timers have been given.
 #[derive(Debug, Clone, Copy)]
@@ -53,8 +54,27 @@ impl Inputs {
 
 /// Whether the image has selected the alternate function of a pin; true for a pin without one.
 pub(crate) fn is_connected(chip: &mut Chip, pin: Pin) -> bool {
+    let Mode::Alternate(function) = pin.mode else { return true };
     let (_, registers) = chip.mcu.port(pin.port);
-    pin.function.is_none() || Gpio::function(port_pin(pin), registers) == pin.function
+    Gpio::function(port_pin(pin), registers) == Some(function)
+}
+
+/// Whether the registers of the port have the mode and the resistor of a pin.
+pub(crate) fn is_configured(chip: &mut Chip, pin: Pin) -> bool {
+    let (_, registers) = chip.mcu.port(pin.port);
+    let bits = |register| registers.get(register) >> (2 * pin.pin) & 0b11;
+    let mode = match pin.mode {
+        Mode::Input => 0b00,
+        Mode::Output => 0b01,
+        Mode::Alternate(_) => 0b10,
+    };
+    let pull = match pin.pull {
+        Pull::Open => 0b00,
+        Pull::Up => 0b01,
+        Pull::Down => 0b10,
+    };
+    let have = [bits(gpioa::Register::Moder), bits(gpioa::Register::Pupdr)];
+    have == [mode, pull] && is_connected(chip, pin)
 }
 
 pub(crate) fn port_pin(pin: Pin) -> PortPin {

@@ -10,7 +10,7 @@ use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
 use crate::access::Violations;
-use crate::chip::Chip;
+use crate::chip::{CLOCK_CONTROL, Chip};
 use crate::inputs::Inputs;
 use crate::pins::{Bridge, Pins};
 use crate::surroundings::{Arrival, End, Surroundings};
@@ -83,10 +83,13 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         let at = match settled {
             Settled::Access { access, .. } => {
                 let at = Duration::from_nanos(access.virtual_time.0);
-                self.surroundings.accessed(at, access.address);
+                self.surroundings.accessed(at, access.address, access.kind);
                 // No reading changes the bridge, and an image polls.
                 if access.kind == AccessKind::Read {
                     return;
+                }
+                if access.address == CLOCK_CONTROL && !self.surroundings.crystal_starts() {
+                    session.board_mut().hold_crystal(access.virtual_time);
                 }
                 access.virtual_time
             }

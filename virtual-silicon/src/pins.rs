@@ -9,18 +9,18 @@ use anyhow::{Context, Result, ensure};
 use rigless::device::Level;
 use rigless::edge::Pulse;
 use rigless::emulator::{Host, Watch};
+use rigless::mcu::Mcu;
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::mcu::Mcu;
-use rigless::soc::stm32f427::generated::{dbg, gpioa, tim1};
+use rigless::soc::stm32f427::generated::{dbg, rcc, tim1};
 use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
 use crate::chip::{Chip, TIM1};
-use crate::inputs::{Inputs, is_connected, port_pin};
+use crate::inputs::{Inputs, is_configured, is_connected, port_pin};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
-use crate::wiring::{Encoder, Pin, Wiring};
+use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
 
 /// What the chip drives at the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,9 +31,17 @@ pub struct Bridge {
     pub is_enabled: bool,
     /// Main output enable, MOE: hardware and software clear it, only software sets it.
     pub has_main_output: bool,
+    /// Whether any gate or pulse output carries a pulse or is high.
+    pub has_active_gate: bool,
 }
 
 impl Bridge {
+    /// Whether any switch of the bridge may conduct.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.is_enabled && self.has_active_gate
+    }
+
     /// Duty of a bridge that drives its motor; `None` for one that is off.
     #[must_use]
     pub fn driving(&self) -> Option<f64> {
@@ -102,6 +110,13 @@ impl<'a> Pins<'a> {
         chip.mcu.drive_clocks(self.at, |rcc, registers, context| rcc.fail_hse(registers, context));
     }
 
+    /// Whether the clock tree runs from the oscillator inside the chip, with the crystal off.
+    pub fn clocks_are_internal(&mut self) -> bool {
+        let clocks = Mcu::bus(&self.session.board_mut().mcu).registers("RCC").expect("the part has it");
+        !rcc::cr::HSEON.is_set(clocks.get(rcc::Register::Cr))
+            && rcc::pllcfgr::PLLSRC.get(clocks.get(rcc::Register::Pllcfgr)) == 0
+    }
+
     /// What a core that a debugger halts does not stop: the independent watchdog, and what it stops: TIM1.
     pub fn halted_by_debugger(&mut self) -> (bool, bool) {
         let debug = Mcu::bus(&self.session.board_mut().mcu).registers("DBG").expect("the part has it");
@@ -132,17 +147,17 @@ impl<'a> Pins<'a> {
         (pulses.0.filter(|_| are_connected.0).map(duty), pulses.1.filter(|_| are_connected.1).map(duty))
     }
 
-    /// Whether a pin is an output of the image, and its level.
-    pub fn output(&mut self, pin: Pin) -> (bool, bool) {
+    /// Level of a pin.
+    pub fn is_high(&mut self, pin: Pin) -> bool {
         let (gpio, registers) = self.session.board_mut().mcu.port(pin.port);
-        let is_output = registers.get(gpioa::Register::Moder) >> (2 * pin.pin) & 0b11 == 0b01;
-        (is_output, gpio.level(port_pin(pin), registers) == Level::High)
+        gpio.level(port_pin(pin), registers) == Level::High
     }
 
     /// What the chip drives at the bridge.
     pub fn bridge(&mut self) -> Bridge {
         let chip = self.session.board_mut();
-        let is_connected = is_connected(chip, self.wiring.pwm);
+        let (wiring, is_connected) = (self.wiring, is_connected(chip, self.wiring.pwm));
+        let has_active_gate = wiring.gates().any(|(pin, output)| is_active(chip, pin, output));
         let mcu = &mut chip.mcu;
         let (gpio, registers) = mcu.port(self.wiring.enable.port);
         let is_enabled = gpio.level(port_pin(self.wiring.enable), registers) == Level::High;
@@ -153,6 +168,7 @@ impl<'a> Pins<'a> {
             duty: pulse.map(|pulse| pulse.width.0 as f64 / pulse.period.0 as f64),
             is_enabled,
             has_main_output: tim1::bdtr::MOE.is_set(registers.get(tim1::Register::Bdtr)),
+            has_active_gate,
         }
     }
 
@@ -164,10 +180,17 @@ impl<'a> Pins<'a> {
         (level.map(|level| level == Level::High), is_enabled)
     }
 
-    /// Pins whose alternate function the image has not selected, one sentence each.
+    /// Pins of timers whose alternate function the image has not selected, one phrase each.
     pub fn unconnected(&mut self) -> Vec<String> {
         let chip = self.session.board_mut();
-        let pins = self.wiring.alternate_pins().into_iter().filter(|pin| !is_connected(chip, *pin));
+        let pins = self.wiring.pins().into_iter().filter(|pin| !self.wiring.link.contains(pin));
+        pins.filter(|pin| !is_connected(chip, *pin)).map(|pin| pin.to_string()).collect()
+    }
+
+    /// Pins that the image has configured otherwise than they are wired, with what each has to be.
+    pub fn misconfigured(&mut self) -> Vec<String> {
+        let chip = self.session.board_mut();
+        let pins = self.wiring.pins().into_iter().filter(|pin| !is_configured(chip, *pin));
         pins.map(|pin| pin.to_string()).collect()
     }
 
@@ -201,6 +224,24 @@ impl<'a> Pins<'a> {
         Ok(())
     }
 
+    /// Ends [`Self::watch`] of this instruction.
+    pub fn unwatch(&mut self, address: u64) {
+        self.host.unwatch(Watch::Instruction(address));
+    }
+
+    /// Pulls the reset pin low and releases it. Memory keeps its contents, and the core's model what it has translated.
+    pub fn reset(&mut self) {
+        // The count of instructions is part of the report alone.
+        self.session.reset_by_pin(self.at, 0, self.host);
+        self.serial_line().clear();
+    }
+
+    /// Resets of the chip after power-up.
+    #[must_use]
+    pub fn resets(&self) -> usize {
+        self.session.resets().len()
+    }
+
     fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {
         let chip = self.session.board_mut();
         let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
@@ -209,4 +250,20 @@ impl<'a> Pins<'a> {
         });
         self.inputs.settle(chip, self.wiring, self.at);
     }
+}
+
+/// Whether a gate carries a pulse or is high. A gate that is not connected to its timer has the level of its port.
+fn is_active(chip: &mut Chip, pin: Pin, output: Option<TimerOutput>) -> bool {
+    let Some(TimerOutput { channel, is_complementary }) = output.filter(|_| is_connected(chip, pin)) else {
+        let (gpio, registers) = chip.mcu.port(pin.port);
+        return gpio.level(port_pin(pin), registers) == Level::High;
+    };
+    let (timer, registers) = chip.mcu.advanced_timer(TIM1);
+    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
+    let (pulse, level) = if is_complementary {
+        (timer.complementary_pulse(channel, registers), timer.complementary_output(channel, registers))
+    } else {
+        (timer.pulse(channel, registers), timer.output(channel, registers))
+    };
+    pulse.is_some() || level == Some(Level::High)
 }

@@ -39,6 +39,12 @@ impl SerialLine {
         std::mem::take(&mut self.from_chip)
     }
 
+    /// Discards the bytes of both directions.
+    pub fn clear(&mut self) {
+        self.to_chip.clear();
+        self.from_chip.clear();
+    }
+
     /// Device time of the last byte in either direction.
     #[must_use]
     pub fn last_byte_at(&self) -> Duration {

@@ -3,6 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use rigless::emulator::AccessKind;
+
 use crate::pins::Pins;
 
 /// What is connected to the chip. Between two instants of its choice the chip runs undisturbed.
@@ -18,6 +20,11 @@ pub trait Surroundings: Send {
         false
     }
 
+    /// Whether the crystal starts when the image enables it.
+    fn crystal_starts(&self) -> bool {
+        true
+    }
+
     /// The bridge changed at this device time.
     fn bridge_changed(&mut self, _at: Duration, _bridge: crate::pins::Bridge) {}
 
@@ -25,7 +32,7 @@ pub trait Surroundings: Send {
     fn arrived(&mut self, _arrival: Arrival) {}
 
     /// The image read or wrote the register at this address.
-    fn accessed(&mut self, _at: Duration, _register: u64) {}
+    fn accessed(&mut self, _at: Duration, _register: u64, _kind: AccessKind) {}
 }
 
 /// An arrival of the core at a watched instruction, which it executes next.

@@ -11,7 +11,7 @@ use crate::thumb::{Code, NOTHING, RETURN};
 const BOARD: &str = "_lashloop_board_";
 
 /// An image as its file.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbols {
     path: PathBuf,
     bytes: Vec<u8>,

@@ -31,6 +31,13 @@ impl Code {
         halfwords.iter().fold(self, |code, halfword| code.halfword(*halfword))
     }
 
+    /// The words of this code in memory.
+    #[must_use]
+    pub fn words(&self) -> Vec<u32> {
+        let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte));
+        self.0.chunks(4).map(word).collect()
+    }
+
     /// Appends a word of data.
     #[must_use]
     pub fn word(mut self, word: u32) -> Self {
@@ -80,6 +87,12 @@ impl Code {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_halfword_is_the_lower_half_of_a_word() {
+        let code = Code::default().halfwords(&[0x2100, RETURN, UNDEFINED]);
+        assert_eq!(code.words(), [0x4770_2100, 0xde00]);
+    }
 
     #[test]
     fn a_load_has_the_encoding_of_an_assembler() {

@@ -4,34 +4,77 @@ use std::fmt;
 
 use crate::quadrature::Channel;
 
-/// A pin, and the alternate function that connects it to its block.
+/// What a pin is configured as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Connected to a block by this alternate function.
+    Alternate(u8),
+    /// Input of the software.
+    Input,
+    /// Output of the software.
+    Output,
+}
+
+/// Resistor inside the chip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pull {
+    /// None.
+    Open,
+    /// To the supply.
+    Up,
+    /// To ground.
+    Down,
+}
+
+/// A pin with its configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pin {
     /// Port, from 0 for port A.
     pub port: usize,
     /// Number in the port.
     pub pin: u8,
-    /// Alternate function; `None` for a plain output.
-    pub function: Option<u8>,
+    /// What the pin is.
+    pub mode: Mode,
+    /// Its resistor.
+    pub pull: Pull,
 }
 
 impl Pin {
-    const fn alternate(port: usize, pin: u8, function: u8) -> Self {
-        Self { port, pin, function: Some(function) }
+    const fn of(port: usize, pin: u8, mode: Mode, pull: Pull) -> Self {
+        Self { port, pin, mode, pull }
     }
 
-    const fn plain(port: usize, pin: u8) -> Self {
-        Self { port, pin, function: None }
+    const fn alternate(port: usize, pin: u8, function: u8) -> Self {
+        Self::of(port, pin, Mode::Alternate(function), Pull::Open)
+    }
+
+    const fn pulled_up(port: usize, pin: u8, function: u8) -> Self {
+        Self::of(port, pin, Mode::Alternate(function), Pull::Up)
+    }
+
+    const fn output(port: usize, pin: u8) -> Self {
+        Self::of(port, pin, Mode::Output, Pull::Open)
+    }
+
+    const fn unused_gate(port: usize, pin: u8) -> Self {
+        Self::of(port, pin, Mode::Input, Pull::Down)
     }
 }
 
 impl fmt::Display for Pin {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let port = char::from(b'A' + self.port as u8);
-        match self.function {
-            Some(function) => write!(out, "P{port}{} as alternate function {function}", self.pin),
-            None => write!(out, "P{port}{} as an output", self.pin),
+        write!(out, "P{port}{} as ", self.pin)?;
+        match self.mode {
+            Mode::Alternate(function) => write!(out, "alternate function {function}")?,
+            Mode::Input => out.write_str("an input")?,
+            Mode::Output => out.write_str("an output")?,
         }
+        out.write_str(match self.pull {
+            Pull::Open => "",
+            Pull::Up => " with a pull-up",
+            Pull::Down => " with a pull-down",
+        })
     }
 }
 
@@ -56,6 +99,15 @@ pub enum TimerInput {
     },
     /// The break input of TIM1.
     Break,
+}
+
+/// An output of TIM1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TimerOutput {
+    /// The channel, from 1.
+    pub(crate) channel: u8,
+    /// Whether it is the channel's complement.
+    pub(crate) is_complementary: bool,
 }
 
 /// The inputs of an encoder: channels 1 and 2 of a timer.
@@ -87,6 +139,8 @@ pub struct Wiring {
     pub motor: EncoderInputs,
     /// The encoder at the load.
     pub load: EncoderInputs,
+    /// Link: output and input of USART2.
+    pub link: [Pin; 2],
     /// PWM output, channel 1 of TIM1.
     pub pwm: Pin,
     /// Break input of TIM1, if it is connected.
@@ -99,7 +153,7 @@ pub struct Wiring {
     pub half_bridges: &'static [(u8, Pin, Pin)],
     /// Outputs that stay high.
     pub high: &'static [Pin],
-    /// Gates that stay off: inputs with pull-downs.
+    /// Gates that stay off.
     pub unused_gates: &'static [Pin],
 }
 
@@ -107,6 +161,8 @@ const A: usize = 0;
 const B: usize = 1;
 const C: usize = 2;
 const D: usize = 3;
+/// PA2 and PA3, on every board.
+const LINK: [Pin; 2] = [Pin::alternate(A, 2, 7), Pin::pulled_up(A, 3, 7)];
 
 impl Wiring {
     /// The boards, by the names that their drives report.
@@ -115,40 +171,42 @@ impl Wiring {
 
     /// The bare STM32F405 board of `docs/bench-drive.md`. Alternate functions are those of the data sheet, table 9.
     pub const F405_BARE: Self = Self {
-        motor: EncoderInputs { timer: 1, a: Pin::alternate(C, 6, 2), b: Pin::alternate(C, 7, 2) },
-        load: EncoderInputs { timer: 2, a: Pin::alternate(B, 6, 2), b: Pin::alternate(B, 7, 2) },
+        motor: EncoderInputs { timer: 1, a: Pin::pulled_up(C, 6, 2), b: Pin::pulled_up(C, 7, 2) },
+        load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
+        link: LINK,
         pwm: Pin::alternate(A, 8, 1),
-        break_input: Some(Pin::alternate(B, 12, 1)),
+        break_input: Some(Pin::pulled_up(B, 12, 1)),
         fault_line: None,
-        enable: Pin::plain(B, 0),
+        enable: Pin::output(B, 0),
         half_bridges: &[],
         high: &[],
         unused_gates: &[],
     };
     /// An ODrive v3.5 or v3.6, phases A and B of M0, after the pin names of the board's own firmware.
     pub const ODRIVE_V3: Self = Self {
-        motor: EncoderInputs { timer: 1, a: Pin::alternate(B, 4, 2), b: Pin::alternate(B, 5, 2) },
-        load: EncoderInputs { timer: 2, a: Pin::alternate(B, 6, 2), b: Pin::alternate(B, 7, 2) },
+        motor: EncoderInputs { timer: 1, a: Pin::pulled_up(B, 4, 2), b: Pin::pulled_up(B, 5, 2) },
+        load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
+        link: LINK,
         pwm: Pin::alternate(A, 8, 1),
         break_input: None,
-        fault_line: Some(Pin::plain(D, 2)),
-        enable: Pin::plain(B, 12),
+        fault_line: Some(Pin::of(D, 2, Mode::Input, Pull::Up)),
+        enable: Pin::output(B, 12),
         half_bridges: &[
             (1, Pin::alternate(A, 8, 1), Pin::alternate(B, 13, 1)),
             (2, Pin::alternate(A, 9, 1), Pin::alternate(B, 14, 1)),
         ],
-        high: &[Pin::plain(C, 13), Pin::plain(C, 14)],
+        high: &[Pin::output(C, 13), Pin::output(C, 14)],
         unused_gates: &[
-            Pin::plain(A, 10),
-            Pin::plain(B, 15),
-            Pin::plain(A, 7),
-            Pin::plain(B, 0),
-            Pin::plain(B, 1),
-            Pin::plain(C, 6),
-            Pin::plain(C, 7),
-            Pin::plain(C, 8),
-            Pin::plain(B, 10),
-            Pin::plain(B, 11),
+            Pin::unused_gate(A, 10),
+            Pin::unused_gate(B, 15),
+            Pin::unused_gate(A, 7),
+            Pin::unused_gate(B, 0),
+            Pin::unused_gate(B, 1),
+            Pin::unused_gate(C, 6),
+            Pin::unused_gate(C, 7),
+            Pin::unused_gate(C, 8),
+            Pin::unused_gate(B, 10),
+            Pin::unused_gate(B, 11),
         ],
     };
 
@@ -173,6 +231,19 @@ impl Wiring {
         encoders.into_iter().chain(self.break_input.map(|pin| (pin, TimerInput::Break)))
     }
 
+    /// All outputs that let a switch conduct, each with its output of TIM1; gates that stay off have none.
+    pub(crate) fn gates(&self) -> impl Iterator<Item = (Pin, Option<TimerOutput>)> + use<> {
+        let output = |channel, is_complementary| Some(TimerOutput { channel, is_complementary });
+        let half_bridges = self.half_bridges.iter();
+        let both = half_bridges.flat_map(move |(channel, high, low)| {
+            [(*high, output(*channel, false)), (*low, output(*channel, true))]
+        });
+        [(self.pwm, output(1, false))]
+            .into_iter()
+            .chain(both)
+            .chain(self.unused_gates.iter().map(|pin| (*pin, None)))
+    }
+
     /// The inputs of an encoder.
     #[must_use]
     pub fn encoder(&self, encoder: Encoder) -> &EncoderInputs {
@@ -182,10 +253,13 @@ impl Wiring {
         }
     }
 
-    /// All pins that a timer uses.
+    /// All pins with a use.
     #[must_use]
-    pub fn alternate_pins(&self) -> Vec<Pin> {
+    pub fn pins(&self) -> Vec<Pin> {
         let gates = self.half_bridges.iter().flat_map(|(_, high, low)| [*high, *low]);
-        self.inputs().map(|(pin, _)| pin).chain([self.pwm]).chain(gates).collect()
+        let inputs = self.inputs().map(|(pin, _)| pin).chain(self.fault_line);
+        let outputs = [self.pwm, self.enable].into_iter().chain(self.high.iter().copied());
+        let unused = self.unused_gates.iter().copied();
+        self.link.into_iter().chain(inputs).chain(outputs).chain(gates).chain(unused).collect()
     }
 }

@@ -74,7 +74,10 @@ fn the_crystal_starts_the_clock_and_every_pin_is_connected() {
     });
     assert_eq!((ended.end, ended.violations.to_string(), ended.resets), (Some(End::Done), String::new(), 0));
     let (_, started) = ended.surroundings.bridge.last().expect("a bridge");
-    assert_eq!(*started, Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true });
+    assert_eq!(
+        *started,
+        Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true, has_active_gate: true }
+    );
 }
 
 #[test]
@@ -177,7 +180,7 @@ fn time_to_off(image: &Symbols, mut fail: impl FnMut(&mut Pins<'_>) + Send + 'st
     });
     assert_eq!(ended.violations.to_string(), "");
     let changes = ended.surroundings.bridge;
-    let is_on = |bridge: &Bridge| bridge.driving().is_some();
+    let is_on = Bridge::is_on;
     let before = changes.iter().rfind(|(at, _)| *at < FAILURE_AT).expect("a bridge");
     assert!(is_on(&before.1), "on before the failure");
     let off = changes.iter().find(|(at, bridge)| *at >= FAILURE_AT && !is_on(bridge))?;

@@ -19,6 +19,9 @@ use crate::{licences, paths};
 
 const NAME: &str = "lashloop";
 
+/// Options of the build: every feature.
+const FEATURES: &str = "--features lashloop/parquet";
+
 #[derive(Args)]
 pub(crate) struct Dist {
     /// Profile of the build
@@ -69,7 +72,8 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
     let musl = format!("{ARCH}-unknown-linux-musl");
     let libraries = output(command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
     let has_musl = Path::new(libraries.trim()).is_dir();
-    let library = if has_musl { Library::Musl } else { Library::Glibc };
+    let (library, triple) =
+        if has_musl { (Library::Musl, musl) } else { (Library::Glibc, format!("{ARCH}-unknown-linux-gnu")) };
     let version = env!("CARGO_PKG_VERSION");
     let name = format!("{NAME}-{version}-{ARCH}-linux");
     let target = paths::root().join("target/dist").join(profile.name());
@@ -80,15 +84,19 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
     fs::create_dir_all(&folder)?;
     let program = folder.join(NAME);
     match library {
-        Library::Musl => build_for_musl(profile, &musl, &program)?,
+        Library::Musl => build_for_musl(profile, &triple, &program)?,
         Library::Glibc => link_statically(profile, &program)?,
     }
     check(&program)?;
+    check_parquet(&program, &target)?;
     for file in ["LICENSE-MIT", "LICENSE-APACHE", "README.md", "CHANGELOG.md"] {
         fs::copy(paths::root().join(file), folder.join(file))
             .with_context(|| format!("{file} can't be copied"))?;
     }
-    fs::write(folder.join("THIRD-PARTY.txt"), licences::collect(NAME, library == Library::Glibc)?)?;
+    fs::write(
+        folder.join("THIRD-PARTY.txt"),
+        licences::collect(NAME, &triple, FEATURES, library == Library::Glibc)?,
+    )?;
     complete(&program, &folder)?;
     let archive = pack(&target, &name)?;
     println!("{}", archive.display());
@@ -96,7 +104,8 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
 }
 
 fn build_for_musl(profile: Profile, target: &str, program: &Path) -> Result<()> {
-    let arguments = format!("build --bin {NAME} --profile {} --target {target}", profile.name());
+    let name = profile.name();
+    let arguments = format!("build --workspace --bin {NAME} --profile {name} --target {target} {FEATURES}");
     run(cargo(&arguments).env("CARGO_PROFILE_RELEASE_STRIP", "symbols"))?;
     let built = paths::root().join("target").join(target).join(profile.folder()).join(NAME);
     fs::copy(&built, program).with_context(|| format!("{} can't be copied", built.display()))?;
@@ -106,7 +115,7 @@ fn build_for_musl(profile: Profile, target: &str, program: &Path) -> Result<()> 
 /// Links `main` and the library of the program with a static C library.
 fn link_statically(profile: Profile, program: &Path) -> Result<()> {
     let arguments = format!(
-        "build --workspace --bin {NAME} --profile {} --message-format json-render-diagnostics",
+        "build --workspace --bin {NAME} --profile {} --message-format json-render-diagnostics {FEATURES}",
         profile.name()
     );
     let messages = output(cargo(&arguments).stderr(Stdio::inherit()))?;
@@ -149,6 +158,14 @@ fn check(program: &Path) -> Result<()> {
         Some("PASS") => Ok(()),
         last => bail!("a run of {} ends with {last:?}", program.display()),
     }
+}
+
+/// Checks that the program exports Parquet.
+fn check_parquet(program: &Path, target: &Path) -> Result<()> {
+    let record = target.join("record");
+    output(command(program, "run scenarios/smooth-after.toml --device inproc --force --out").arg(&record))?;
+    output(command(program, "export --to parquet").arg(&record))?;
+    fs::remove_dir_all(&record).with_context(|| format!("{} can't be removed", record.display()))
 }
 
 /// Whether a program has neither an interpreter nor needed libraries.

@@ -19,10 +19,10 @@ The GNU C library is linked statically. It is licensed under LGPL-2.1 or later; 
 program links it with another version.
 ";
 
-/// Every crate in the program of `package` with its licence, and the texts, each once.
-pub(crate) fn collect(package: &str, has_glibc: bool) -> Result<String> {
-    let metadata =
-        output(&mut cargo("metadata --format-version 1 --filter-platform x86_64-unknown-linux-gnu"))?;
+/// Every crate in the program of `package` for `target` with its licence, and the texts, each once.
+pub(crate) fn collect(package: &str, target: &str, features: &str, has_glibc: bool) -> Result<String> {
+    let arguments = format!("metadata --format-version 1 --filter-platform {target} {features}");
+    let metadata = output(&mut cargo(&arguments))?;
     let metadata: Value = serde_json::from_str(&metadata).context("the metadata of cargo aren't JSON")?;
     let packages: BTreeMap<_, _> =
         list(&metadata["packages"]).filter_map(|it| Some((it["id"].as_str()?, it))).collect();

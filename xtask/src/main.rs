@@ -22,6 +22,7 @@ mod schedule;
 mod setup;
 mod silicon;
 mod size;
+mod slurm;
 mod test_programs;
 mod usb_guest;
 

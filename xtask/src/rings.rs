@@ -40,6 +40,8 @@ pub(crate) enum Ring {
     Browser,
     /// The bench in a Linux guest with the kernel's USB serial drivers
     Usb,
+    /// Campaigns on a Slurm cluster of this machine
+    Cluster,
     /// Every fuzzer for a bounded time
     Fuzz,
 }
@@ -59,6 +61,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
         test_programs::USB => Some(Ring::Usb),
+        test_programs::CLUSTER => Some(Ring::Cluster),
         "tests silicon" => Some(Ring::Silicon),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),
@@ -159,7 +162,7 @@ impl Selection {
             Ring::Loop if self.timing != Some(Timing::Timed) => {
                 counts.step("static program", || dist::make(dist::Profile::Dev));
             }
-            Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb => {}
+            Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
         }
         let mut programs = Vec::new();
         counts.step("test programs", || {

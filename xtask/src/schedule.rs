@@ -30,8 +30,8 @@ const IN_BACKGROUND: &str = "test python --timing untimed";
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 2] = [
     &[
-        &[SETUP, "test image", "test usb", "test browser"],
-        &["check", "test unit --timing untimed", "test fuzz", "test silicon"],
+        &[SETUP, "test image", "test usb", "test cluster", "test browser", "test fuzz --seconds 10"],
+        &["check", "test unit --timing untimed", "test silicon"],
     ],
     &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
 ];

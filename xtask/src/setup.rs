@@ -4,7 +4,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 
 use crate::arm_toolchain::{ArmToolchain, TARGET};
 use crate::command::{command, is_installed, run};
-use crate::{apt, python, usb_guest};
+use crate::{apt, python, slurm, usb_guest};
 
 /// Programs that the tests call, each with the Debian package that has it.
 const PROGRAMS: [(&str, &str); 7] = [
@@ -21,7 +21,7 @@ const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
 /// Installs the emulators, a browser, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
-/// chip, a core library for Arm and the Python package, and unpacks the parts of the guest.
+/// chip, a core library for Arm and the Python package, and unpacks the parts of the guest and Slurm.
 ///
 /// # Errors
 /// What could not be installed, and what to do.
@@ -30,6 +30,7 @@ pub(crate) fn install_missing() -> Result<()> {
     let needs_arm_core = ArmToolchain::find().is_err();
     let needs_python_package = !python::is_set_up();
     let needs_usb_guest = usb_guest::is_possible() && !usb_guest::is_set_up();
+    let needs_slurm = slurm::is_possible() && !slurm::is_set_up();
     let mut packages: Vec<_> = missing_programs().map(|(_, package)| package).collect();
     if needs_python_package && python::find().is_none() {
         packages.extend(DEBIAN_PYTHON);
@@ -45,6 +46,7 @@ pub(crate) fn install_missing() -> Result<()> {
         needs_python_package
             .then(|| "\n  the Python package with its test tools: by pip, into target/python".to_owned()),
         needs_usb_guest.then(|| format!("\n  {}", usb_guest::PLAN)),
+        needs_slurm.then(|| format!("\n  {}", slurm::PLAN)),
     ]
     .into_iter()
     .flatten()
@@ -64,6 +66,9 @@ pub(crate) fn install_missing() -> Result<()> {
     }
     if needs_usb_guest && let Err(error) = usb_guest::set_up() {
         println!("setup: NO LINUX GUEST, its tests are left out: {error:#}");
+    }
+    if needs_slurm && let Err(error) = slurm::set_up() {
+        println!("setup: NO SLURM, its tests are left out: {error:#}");
     }
     let failures: Vec<_> =
         outcomes.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")).collect();

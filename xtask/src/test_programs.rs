@@ -9,10 +9,13 @@ use serde_json::Value;
 
 use crate::command::{cargo, command, output};
 use crate::counts::Counts;
-use crate::{paths, usb_guest};
+use crate::{paths, slurm, usb_guest};
 
 /// The test program of the Linux guest.
 pub(crate) const USB: &str = "tests usb";
+
+/// The test program of campaigns on a cluster.
+pub(crate) const CLUSTER: &str = "tests cluster";
 
 /// Most failed tests of a program that get a second attempt.
 const SECOND_ATTEMPTS: usize = 3;
@@ -86,9 +89,14 @@ impl TestProgram {
     fn attempt(&self, arguments: &str, print: impl Fn(&str)) -> Result<Counts> {
         let mut tests = command(&self.path, arguments);
         tests.current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
-        // Tests fail where their equipment is missing, but for the guest, whose kernel a machine may not be able to download:
-        // they are counted as left out.
-        if self.name != USB || usb_guest::is_set_up() {
+        // Tests fail where their equipment is missing, but for the guest and Slurm, whose packages a machine may not be able to
+        // download: they are counted as left out.
+        let is_required = match self.name.as_str() {
+            USB => usb_guest::is_set_up(),
+            CLUSTER => slurm::is_set_up(),
+            _ => true,
+        };
+        if is_required {
             tests.env("LASHLOOP_REQUIRE_EQUIPMENT", "1");
         }
         let counts = Counts::of_output(tests, Counts::of_libtest, print)?;

@@ -51,26 +51,14 @@ pub(crate) fn is_set_up() -> bool {
 /// # Errors
 /// What could not be downloaded, and what to do.
 pub(crate) fn set_up() -> Result<()> {
-    let kernel = match kernel_package() {
-        Ok(kernel) => kernel,
-        // The lists of a fresh machine are empty.
-        Err(_) => apt::update().and_then(|()| kernel_package())?,
-    };
     let [packages, root] = ["packages", "root"].map(|name| folder().join(name));
-    for folder in [&packages, &root] {
-        let _ = fs::remove_dir_all(folder);
-        fs::create_dir_all(folder).with_context(|| format!("{} can't be created", folder.display()))?;
-    }
-    let mut download =
-        command("apt-get", "--quiet --option Acquire::Retries=1 --option Acquire::http::Timeout=30");
-    // An unprivileged helper of apt may not write into the folder of the project.
-    download.args(["--option", "APT::Sandbox::User=root", "download", &kernel, UDEV]).current_dir(&packages);
-    run(&mut download).context("the kernel for the guest could not be downloaded: is there a network?")?;
+    let names = apt::download(&packages, || Ok(vec![kernel_package()?, UDEV.to_owned()]))?;
+    paths::empty_folder(&root)?;
     unpack(&package(&packages, "linux-image-")?, &KERNEL_FILES, &root)?;
     let _ = unpack(&package(&packages, "linux-image-")?, &OPTIONAL_KERNEL_FILES, &root);
     unpack(&package(&packages, "udev_")?, &UDEV_FILES, &root)?;
     fs::remove_dir_all(&packages).context("the packages can't be removed")?;
-    fs::write(stamp(), kernel).context("target/usb-guest can't be written")
+    fs::write(stamp(), names.join("\n")).context("target/usb-guest can't be written")
 }
 
 fn folder() -> PathBuf {

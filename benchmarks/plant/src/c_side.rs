@@ -1,4 +1,4 @@
-//! The C program: compiled once, then run round by round over pipes.
+//! A C program: compiled once, then run round by round over pipes.
 
 use std::error::Error;
 use std::io::{BufRead, BufReader, Write};
@@ -8,8 +8,11 @@ use tempfile::TempDir;
 
 use crate::Round;
 
-const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/c/plants.c");
-const FLAGS: [&str; 4] = ["-std=c11", "-O3", "-march=native", "-fno-tree-vectorize"];
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/c");
+/// Flags of the plants.
+pub const FOR_THIS_MACHINE: &[&str] = &["-std=c11", "-O3", "-march=native", "-fno-tree-vectorize"];
+/// Flags of the loop.
+pub const PLAIN: &[&str] = &["-std=c11", "-O2"];
 
 /// The C program, waiting for a request.
 pub struct CSide {
@@ -21,21 +24,21 @@ pub struct CSide {
 }
 
 impl CSide {
-    /// Compiles and starts the program.
-    pub fn build() -> Result<Self, Box<dyn Error>> {
+    /// Compiles and starts a program of the folder `c`.
+    pub fn build(name: &str, flags: &[&str]) -> Result<Self, Box<dyn Error>> {
         let directory = tempfile::tempdir()?;
-        let program = directory.path().join("plants");
+        let (source, program) = (format!("{FOLDER}/{name}.c"), directory.path().join(name));
         let status =
-            Command::new("cc").args(FLAGS).arg(SOURCE).arg("-o").arg(&program).arg("-lm").status()?;
+            Command::new("cc").args(flags).arg(&source).arg("-o").arg(&program).arg("-lm").status()?;
         if !status.success() {
-            return Err(format!("cc does not compile {SOURCE}: {status}").into());
+            return Err(format!("cc does not compile {source}: {status}").into());
         }
         let version = Command::new("cc").arg("--version").output()?.stdout;
         let version = String::from_utf8_lossy(&version).lines().next().unwrap_or("cc").to_owned();
         let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let requests = child.stdin.take().ok_or("the C program has no input")?;
         let answers = BufReader::new(child.stdout.take().ok_or("the C program has no output")?);
-        let compiler = format!("{version}, {}", FLAGS.join(" "));
+        let compiler = format!("{version}, {}", flags.join(" "));
         Ok(Self { child, requests, answers, compiler, _directory: directory })
     }
 
@@ -44,9 +47,9 @@ impl CSide {
         &self.compiler
     }
 
-    /// Integrates one plant for a number of control periods.
-    pub fn round(&mut self, plant: &str, periods: u32) -> Result<Round, Box<dyn Error>> {
-        writeln!(self.requests, "{plant} {periods}")?;
+    /// Integrates one plant, or runs the loop, for a number of control periods.
+    pub fn round(&mut self, name: &str, periods: u32) -> Result<Round, Box<dyn Error>> {
+        writeln!(self.requests, "{name} {periods}")?;
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
         let numbers = line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;

@@ -4,8 +4,11 @@
 //! rounds, so that other load affects both sides. The comparison fails if the trajectories disagree. The C compiler is `cc` with
 //! `-O3 -march=native`; Rust is built as in a release, for any x86-64, unless `RUSTFLAGS` changes that. Rust is measured twice:
 //! called directly, and boxed, as the bench calls a registered model: one virtual call a period.
+//!
+//! With the argument `loop`, whole runs and campaigns compared with a plain loop in C, see `closed_loop`.
 
 mod c_side;
+mod closed_loop;
 mod rust_side;
 
 use std::error::Error;
@@ -27,8 +30,16 @@ pub struct Round {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut c = CSide::build()?;
     println!("load: {}", std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim());
+    match std::env::args().nth(1).as_deref() {
+        None => plants(),
+        Some("loop") => closed_loop::compare(),
+        Some(other) => Err(format!("{other}: expected no argument, or loop").into()),
+    }
+}
+
+fn plants() -> Result<(), Box<dyn Error>> {
+    let mut c = CSide::build("plants", c_side::FOR_THIS_MACHINE)?;
     println!(
         "rust: built {}",
         if cfg!(target_feature = "avx2") { "for this machine" } else { "for any x86-64" }

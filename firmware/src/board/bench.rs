@@ -58,18 +58,29 @@ impl Tick {
         monitor: &mut impl Mutex<T = Option<TickMonitor>>,
     ) {
         self.timer.clear_flags(Flag::Update);
+        // Of a run that goes on the period is at hand; otherwise reading it is a tenth of a step.
+        let period = match drive.state() {
+            State::Running => drive.run_period().unwrap_or(self.period),
+            _ => drive.period(),
+        };
+        if period != self.period {
+            // A run may have started since the last tick. Its first tick is a period of its own after this one.
+            self.set_period(period);
+            self.restart(monitor);
+            return;
+        }
         self.restart(monitor);
         let since_due = Duration::from_micros(self.timer.now().ticks().into());
         let due = self.clock.now().saturating_sub(since_due);
         let readings =
             PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
         drive.sample(&readings, due, &self.clock);
-        stage.follow(drive.stage_command());
-        // The period is no live parameter, and reading it is a tenth of a step.
-        if drive.state() != State::Running && drive.period() != self.period {
-            self.set_period(drive.period());
-            self.restart(monitor);
+        // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept
+        // SysTick waiting.
+        if self.timer.flags().contains(Flag::Update) {
+            drive.miss_tick(self.clock.now());
         }
+        stage.follow(drive.stage_command());
     }
 
     fn restart(&self, monitor: &mut impl Mutex<T = Option<TickMonitor>>) {

@@ -9,6 +9,7 @@ use lashloop_protocol::wire::Payload;
 use super::clock::Clock;
 use super::lifecycle::Lifecycle;
 use super::machine::Drive;
+use super::pin_run::PinRun;
 use super::pins::PinReadings;
 use super::run::{PinStep, Run};
 use crate::law::LawSet;
@@ -68,6 +69,12 @@ impl<L: LawSet> Drive<L> {
     #[must_use]
     pub fn period(&self) -> Duration {
         Duration::from_micros(self.parameters.drive().period_us.into())
+    }
+
+    /// The control period of a run in bench mode; `None` in every other state.
+    #[must_use]
+    pub fn run_period(&self) -> Option<Duration> {
+        self.lifecycle.run().and_then(Run::pins).map(PinRun::period)
     }
 
     /// What the power stage has to do.

@@ -32,6 +32,8 @@ pub(super) struct PinRun {
     /// `None` until the host sends one: a law without a reference is not stepped.
     reference: Option<Reference>,
     next_sequence: u16,
+    /// Steps before the next report.
+    unreported: u16,
     twist: Option<TwistCheck>,
 }
 
@@ -56,6 +58,7 @@ impl PinRun {
             last_due: None,
             reference: None,
             next_sequence: 0,
+            unreported: 0,
             twist: None,
         }
     }
@@ -73,9 +76,19 @@ impl PinRun {
         self.reference.map_or(0, |reference| reference.number)
     }
 
-    /// Whether a `BenchSample` follows the step of this number.
-    pub(super) fn is_reported(&self, sequence: u16) -> bool {
-        u32::from(sequence).is_multiple_of(self.parameters.bench_sample_every)
+    /// Control period of the run.
+    pub(super) fn period(&self) -> Duration {
+        self.period
+    }
+
+    /// Whether a `BenchSample` follows this step. To be called once per step: a sequence number wraps, and
+    /// `bench_sample_every` need not divide its range.
+    pub(super) fn is_reported(&mut self) -> bool {
+        let is_reported = self.unreported == 0;
+        // At most 1,000 steps.
+        let before = if is_reported { self.parameters.bench_sample_every as u16 } else { self.unreported };
+        self.unreported = before.saturating_sub(1);
+        is_reported
     }
 
     /// The sample of a period, in the directions and with the reference in force; `None` before the first reference.

@@ -144,7 +144,7 @@ impl<L: LawSet> Run<L> {
         let status = TorqueStatus { state, flags };
         let times = (due, started, now);
         let report = bench_sample(&sample, pins.reference_number(), torque_nm, status, times);
-        Some(PinStep { sample: Some(report), is_reported: pins.is_reported(sample.sequence), fault })
+        Some(PinStep { sample: Some(report), is_reported: pins.is_reported(), fault })
     }
 
     /// Answers a sample; a new one makes a control step and restarts the watchdog.

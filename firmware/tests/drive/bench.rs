@@ -81,20 +81,23 @@ fn reset_returns_to_hil_mode() {
 /// Three times the default, so that load and motor have equal counts at no twist.
 const LOAD_COUNTS_PER_REV: u32 = 393_216;
 
-/// Counts of motor and load through the gap and across the wraparound of both encoders, and references near to them.
-fn trajectory() -> impl Iterator<Item = (i64, i64, f32)> {
+/// Counts of motor and load through the gap and across the wraparound of both encoders, forwards or backwards from 0, and
+/// references near to them.
+fn trajectory(is_backward: bool) -> impl Iterator<Item = (i64, i64, f32)> {
     let (mut motor, mut load, mut velocity) = (8_388_000_i64, 8_388_500_i64, 900_i64);
     (0..3000_u16).map(move |k| {
         velocity -= (motor - 8_390_000) / 900 + velocity / 200;
         motor += velocity / 16;
         load += (motor - load) / 1500;
-        (motor, load, 134.05 + f32::from(k % 1400) * 5e-4 - 0.3)
+        let reference_rad = 134.05 + f32::from(k % 1400) * 5e-4 - 0.3;
+        if is_backward { (-motor, -load, -reference_rad) } else { (motor, load, reference_rad) }
     })
 }
 
 #[test]
 fn the_same_counts_through_link_and_pins_give_the_same_torques() {
-    for law in 0..Laws::NAMES.len() as u32 {
+    let laws = 0..Laws::NAMES.len() as u32;
+    for (law, is_backward) in laws.flat_map(|law| [(law, false), (law, true)]) {
         let settings = [
             ("controller", ParameterValue::U32(law)),
             ("load_counts_per_rev", ParameterValue::U32(LOAD_COUNTS_PER_REV)),
@@ -105,7 +108,7 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
         let mut link =
             Host::running(&[&settings[..], &[("torque_limit_nm", ParameterValue::F32(100.0))]].concat());
         let (mut torques, mut wrapped) = (BTreeSet::new(), 0);
-        for ((motor, load, reference_rad), sequence) in trajectory().zip(0..) {
+        for ((motor, load, reference_rad), sequence) in trajectory(is_backward).zip(0..) {
             pins.refer(reference_rad);
             pins.turn(motor, load);
             let have = pins.step();
@@ -117,7 +120,8 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
             assert_eq!((have.motor_counts, have.load_counts), (motor_counts, load_counts));
             assert_eq!(pins.stage_nm(), Some(have.torque_nm));
             torques.insert(have.torque_nm.to_bits());
-            wrapped |= u8::from(motor_counts.get() < 0) | u8::from(load_counts.get() < 0) << 1;
+            let is_wrapped = |counts: EncoderCounts| (counts.get() < 0) != is_backward;
+            wrapped |= u8::from(is_wrapped(motor_counts)) | u8::from(is_wrapped(load_counts)) << 1;
         }
         assert_eq!(wrapped, 0b11, "both encoders wrapped");
         assert!(torques.len() > 1000, "{} different torques", torques.len());
@@ -148,6 +152,21 @@ fn every_nth_step_is_reported() {
     let reported: Vec<bool> = (0..12).map(|_| !host.tick().is_empty()).collect();
     let want: Vec<bool> = (0..12).map(|k| k % 4 == 0).collect();
     assert_eq!(reported, want);
+}
+
+#[test]
+fn reports_stay_n_steps_apart_where_sequence_numbers_wrap() {
+    // 5 does not divide 65,536.
+    let mut host = PinHost::running(&[("bench_sample_every", ParameterValue::U32(5))]);
+    host.refer(0.5);
+    for step in 0..65_600_u32 {
+        if step % 10 == 0 {
+            // Before the watchdog.
+            host.refer(0.5);
+        }
+        let reported = host.tick();
+        assert_eq!(!reported.is_empty(), step % 5 == 0, "step {step}: {reported:?}");
+    }
 }
 
 #[test]

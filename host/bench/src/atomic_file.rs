@@ -49,6 +49,25 @@ pub fn write_whole(
     Ok(())
 }
 
+/// As [`write_whole`], for a writer that takes a path. A device or a pipe is written to in place, and a symbolic link stays.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_whole_at(
+    path: &Path,
+    prefix: &str,
+    write: impl FnOnce(&Path) -> Result<(), WriteError>,
+) -> Result<(), WriteError> {
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return write(path);
+    }
+    let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let temporary = temporary_file(&place, prefix).map_err(error("created"))?.into_temp_path();
+    write(&temporary).map_err(|failure| error(failure.action)(failure.source))?;
+    temporary.persist(&place).map_err(|failure| error("written")(failure.error))
+}
+
 /// A file that grows by whole chunks.
 #[derive(Debug)]
 pub struct GrowingFile {

@@ -1,20 +1,20 @@
 //! The bench loop: simulates a drive with gear backlash around the real firmware of its controller.
 //!
-//! [`link`] is `lashloop-link`: anything that carries bytes, and the link's time. It depends on no module of the bench.
+//! [`link`] is `lashloop-link`: anything that carries bytes, and the link's time. [`session`] is `lashloop-session`:
+//! handshake, commands and exchanges with a drive; [`names`] is its module. They depend on no module of the bench.
 //!
 //! The modules in the order of their dependencies: each uses only those above it.
 //!
 //! | module | is |
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
-//! | [`names`] | names in messages, and the one that was probably meant |
+//! | [`resume`] | files of results that a later command continues |
 //! | [`number`] | numbers with the digits that a reader needs |
 //! | [`timing`] | the timing of steps, and its report |
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
 //! | [`scenario`] | what is run and what is expected, as data |
 //! | [`capture`] | the bytes of a line, recorded and read |
-//! | [`session`] | handshake, commands and exchanges with a drive |
 //! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
 //! | [`fault`] | faults injected on purpose |
 //! | [`verdict`] | PASS, FAIL or INVALID |
@@ -27,14 +27,15 @@ pub mod atomic_file;
 pub mod capture;
 pub mod device;
 pub mod fault;
-pub mod names;
 pub mod number;
 pub mod process_plant;
+pub mod resume;
 pub mod run;
 pub mod scenario;
-pub mod session;
 pub mod supervisor;
 pub mod timing;
 pub mod verdict;
 
 pub use lashloop_link as link;
+pub use lashloop_session as session;
+pub use lashloop_session::names;

@@ -45,6 +45,13 @@ impl fmt::Display for Apart {
     }
 }
 
+/// The value of six significant digits nearest to a value: of a case, of a baseline. Their rounding is far below any tolerance
+/// of ours.
+#[must_use]
+pub fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 fn text(value: f64, digits: usize) -> String {
     if !value.is_finite() || value == 0.0 {
         // Adding zero turns minus zero into zero.
@@ -87,6 +94,16 @@ mod tests {
             assert_eq!(Shown(value).to_string(), shown);
         }
         assert_eq!(format!("[{:>9}]", Shown(1.5)), "[      1.5]");
+    }
+
+    #[test]
+    fn a_value_of_a_file_has_six_significant_digits() {
+        for (value, rounded) in
+            [(0.001_436_893_756, 0.001_436_89), (-12_345_678.9, -12_345_700.0), (0.1 + 0.2, 0.3)]
+        {
+            assert_eq!(six_digits(value), rounded);
+        }
+        assert!(six_digits(f64::NAN).is_nan());
     }
 
     #[test]

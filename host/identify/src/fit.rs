@@ -34,15 +34,17 @@ const FOLLOWS_COUNTS: f64 = 1.0;
 /// Standard deviations of the errors of the torque that it may have on top.
 const EXPLAINED: f64 = 2.0;
 
-/// Whether residuals of motor and load are about those of the quantisation and of errors of the torque.
-pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2]) -> bool {
+/// Whether residuals of motor and load are about those of the quantisation, of errors of the torque, and of encoders whose edges
+/// jitter uniformly by up to `noise_counts` either way.
+pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2], noise_counts: f64) -> bool {
+    let noise = noise_counts / 3.0_f64.sqrt();
     let mut pairs = residual_counts.into_iter().zip(explained_counts);
-    pairs.all(|(counts, explained)| counts < FOLLOWS_COUNTS.hypot(EXPLAINED * explained))
+    pairs.all(|(counts, explained)| counts < FOLLOWS_COUNTS.hypot(EXPLAINED * explained).hypot(noise))
 }
 
 impl Fit {
-    pub(crate) fn is_followed(&self) -> bool {
-        follows(self.residual_counts, self.explained_counts)
+    pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {
+        follows(self.residual_counts, self.explained_counts, noise_counts)
     }
 }
 

@@ -77,7 +77,7 @@ impl Identified {
     /// one than the model: the intervals are those of the nearest model.
     #[must_use]
     pub fn is_followed(&self) -> bool {
-        follows(self.residual_counts, self.explained_counts)
+        follows(self.residual_counts, self.explained_counts, self.instruments.noise_counts)
     }
 
     /// A quantity by its name.

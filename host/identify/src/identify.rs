@@ -75,10 +75,11 @@ pub fn identify(
     let motions: Vec<_> = series.iter().map(|it| Motion::new(it, instruments, [motor, load])).collect();
     let fallback = Vector::of(&start.mechanics, &start.shaft);
     let [likely, other] = staged::starts(&motions, &fallback);
-    let first = polished(&motions, likely);
+    let noise_counts = instruments.noise_counts;
+    let first = polished(&motions, likely, noise_counts);
     let fit = match first {
-        Some(fit) if fit.is_followed() => Some(fit),
-        first => nearer(first, polished(&motions, other)),
+        Some(fit) if fit.is_followed(noise_counts) => Some(fit),
+        first => nearer(first, polished(&motions, other, noise_counts)),
     };
     let fit = fit.ok_or(IdentifyError::NotFollowed)?;
     Ok(Identified::new(&fit, shown, instruments))
@@ -92,7 +93,7 @@ fn nearer(first: Option<Fit>, second: Option<Fit>) -> Option<Fit> {
 
 /// Fits all parameters. A fit that ends away from the record is repeated from where it ended, with the quantities that it
 /// may have bent instead of those that it missed back at their start.
-fn polished(motions: &[Motion], point: Point) -> Option<Fit> {
+fn polished(motions: &[Motion], point: Point, noise_counts: f64) -> Option<Fit> {
     let start = point.vector;
     let fit = |point: Point| {
         let used = (0..motions.len()).collect();
@@ -104,7 +105,7 @@ fn polished(motions: &[Motion], point: Point) -> Option<Fit> {
     };
     let mut best = fit(point)?;
     for _ in 0..RESTARTS {
-        if best.is_followed() {
+        if best.is_followed(noise_counts) {
             break;
         }
         let mut kicked = best.point.clone();

@@ -17,6 +17,9 @@ pub struct Instruments {
     /// Step of the torque at the motor, in N m: the torque of a sample is off by up to half of it. 0 is exact.
     #[serde(default)]
     pub torque_step_nm: f64,
+    /// Amplitude of the noise of both encoders in counts: edges jitter uniformly by up to this either way. 0 is none.
+    #[serde(default)]
+    pub noise_counts: f64,
 }
 
 impl Instruments {
@@ -29,6 +32,7 @@ impl Instruments {
             torque_delay_us,
             torque_delay_deviation_us: 0,
             torque_step_nm: 0.0,
+            noise_counts: 0.0,
         }
     }
 

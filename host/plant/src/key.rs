@@ -43,6 +43,8 @@ pub enum KeyKind {
     },
     /// One of several names; the first is the default.
     Choice(&'static [&'static str]),
+    /// Any text; empty if absent.
+    Text,
     /// A required list of texts, at least one.
     Texts,
     /// A free table, which is passed on as it is; empty if absent.
@@ -84,6 +86,12 @@ impl Key {
         Self::new(name, "", KeyKind::Choice(names), meaning)
     }
 
+    /// A text, empty if absent.
+    #[must_use]
+    pub fn text(name: &'static str, meaning: &'static str) -> Self {
+        Self::new(name, "", KeyKind::Text, meaning)
+    }
+
     /// A required list of texts.
     #[must_use]
     pub fn texts(name: &'static str, meaning: &'static str) -> Self {
@@ -123,6 +131,7 @@ impl Key {
             KeyKind::Number { default, .. } => default.map(PlantValue::Number),
             KeyKind::Integer { default, .. } => default.map(|number| PlantValue::Integer(number.into())),
             KeyKind::Choice(names) => names.first().map(|name| PlantValue::Text((*name).to_owned())),
+            KeyKind::Text => Some(PlantValue::Text(String::new())),
             KeyKind::Texts => None,
             KeyKind::Table => Some(PlantValue::Table(Default::default())),
         }

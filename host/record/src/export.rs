@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_bench::names::UnknownName;
 
 use crate::columns::Columns;
@@ -104,16 +104,19 @@ impl Selection {
     }
 }
 
-/// Writes the columns to a file.
+/// Writes the columns to a file. An older file stays until the new one is whole.
 ///
 /// # Errors
 /// The file can't be written, or the format isn't part of this build.
 pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), ExportError> {
+    let whole = |write: fn(&Columns, &Path) -> Result<(), WriteError>| {
+        Ok(write_whole_at(path, ".export-", |path| write(columns, path))?)
+    };
     match format {
-        Format::Csv => Ok(csv(columns, path)?),
-        Format::Mcap => Ok(samples::write_table(columns, path)?),
+        Format::Csv => whole(csv),
+        Format::Mcap => whole(samples::write_table),
         #[cfg(feature = "parquet")]
-        Format::Parquet => Ok(crate::parquet::write(columns, path)?),
+        Format::Parquet => whole(crate::parquet::write),
         #[cfg(not(feature = "parquet"))]
         Format::Parquet => Err(ExportError::NoParquet),
     }

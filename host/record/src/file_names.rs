@@ -16,20 +16,30 @@ pub const COLUMNS_FILE: &str = "trace.json";
 pub const TIMING_FILE: &str = "timing.csv";
 /// The summary.
 pub const SUMMARY_FILE: &str = "summary.json";
-/// The page of `--report`.
+/// The page of `report`, or of `run --report`.
 pub const REPORT_FILE: &str = "report.html";
+/// The page of `report` for several records, in the folder of the first.
+pub const COMPARISON_FILE: &str = "comparison.html";
+/// The figure of `plot`.
+pub const FIGURE_FILE: &str = "record.svg";
+/// The files of `export`, one for each format.
+pub const EXPORT_FILES: [&str; 3] = ["export.csv", "export.parquet", "export.mcap"];
 /// The link to the latest record, next to its folder.
 pub const LATEST: &str = "latest";
 
-/// Every file that a record may have, the manifest last: a folder without it holds no record of this format.
-pub const ALL: [&str; 9] = [
-    SUMMARY_FILE,
-    REPORT_FILE,
-    TIMING_FILE,
+/// Every file that a run may write, in the order in which a new record gets them. The trace is the first: from there on the
+/// folder holds a record. The manifest is the last: from there on the record is whole.
+pub const ALL: [&str; 8] = [
     TRACE_FILE,
+    SUMMARY_FILE,
+    TIMING_FILE,
     COLUMNS_FILE,
     SAMPLES_FILE,
     REFERENCE_FILE,
     SCENARIO_FILE,
     MANIFEST_FILE,
 ];
+
+/// What other commands derive from a record and write next to it, unless they are given another name.
+pub const DERIVED: [&str; 6] =
+    [REPORT_FILE, COMPARISON_FILE, FIGURE_FILE, EXPORT_FILES[0], EXPORT_FILES[1], EXPORT_FILES[2]];

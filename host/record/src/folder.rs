@@ -1,18 +1,27 @@
-//! The folder of a record: it belongs to one run, and none is overwritten without a word.
+//! The folder of a record: it belongs to one run at a time, no record is overwritten without `--force`, and no other file ever.
 
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{WriteError, remove_if_present};
+use lashloop_bench::resume;
 
-use crate::file_names::{ALL, LATEST};
+use crate::file_names::{
+    ALL, DERIVED, LATEST, MANIFEST_FILE, REFERENCE_FILE, REPORT_FILE, SCENARIO_FILE, SUMMARY_FILE, TRACE_FILE,
+};
 
-/// A folder that a run may write to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Folder in which a record begins, until all its files are there.
+const NEW: &str = ".new";
+
+/// A folder that this process alone writes a record to, until it is dropped.
+#[derive(Debug)]
 pub struct RecordFolder {
     path: PathBuf,
+    force: bool,
+    /// `None` on a file system that locks no folders, such as NFS. There the second look at the begin is all there is.
+    _lock: Option<File>,
 }
 
 /// Why a folder can't take a record.
@@ -26,6 +35,32 @@ pub enum FolderError {
         /// A file of the record.
         file: &'static str,
     },
+    /// A record would replace a file that belongs to none.
+    #[error("{}: the folder has {file} and no record: the run would replace that file; name another folder", path.display())]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// The file.
+        file: &'static str,
+    },
+    /// Another process writes a record to it.
+    #[error("{}: another lashloop writes a record to the folder: wait for its end, or name another folder", path.display())]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A record would replace the scenario that is run.
+    #[error("{}: the run would replace its own scenario; name another folder", path.display())]
+    Source {
+        /// The scenario.
+        path: PathBuf,
+    },
+    /// An output would replace a file of a record.
+    #[error("{}: the file is part of a record; name another file", path.display())]
+    Recorded {
+        /// The file.
+        path: PathBuf,
+    },
     /// It can't be created.
     #[error("{}: cannot be created: {source}", path.display())]
     Create {
@@ -36,18 +71,31 @@ pub enum FolderError {
     },
 }
 
+/// What a folder holds.
+enum Content {
+    Nothing,
+    /// A record, with a file of it.
+    Record(&'static str),
+    /// A file with the name of one of a record, and no record.
+    Foreign(&'static str),
+}
+
 impl RecordFolder {
-    /// Creates the folder if it doesn't exist. With `force` it may hold a record, which stays until the run begins: a run that
-    /// the drive refuses replaces nothing.
+    /// Creates the folder if it doesn't exist, and keeps other processes out. With `force` it may hold a record, which stays
+    /// until the run begins: a run that the drive refuses replaces nothing.
     ///
     /// # Errors
-    /// The folder holds a record, or can't be created.
+    /// The folder holds a record or files of the user, is in use, or can't be created.
     pub fn claim(path: &Path, force: bool) -> Result<Self, FolderError> {
-        if !force && let Some(file) = record_in(path) {
-            return Err(FolderError::Taken { path: path.to_owned(), file });
+        let failed = |source| FolderError::Create { path: path.to_owned(), source };
+        fs::create_dir_all(path).map_err(failed)?;
+        let lock = lock(path)?;
+        let folder = Self { path: path.to_owned(), force, _lock: lock };
+        match content(path) {
+            Content::Record(file) if !force => Err(FolderError::Taken { path: folder.path, file }),
+            Content::Foreign(file) => Err(FolderError::Foreign { path: folder.path, file }),
+            Content::Record(_) | Content::Nothing => Ok(folder),
         }
-        fs::create_dir_all(path).map_err(|source| FolderError::Create { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned() })
     }
 
     /// Checks that no folder directly in `path` holds a record, before a command writes several there.
@@ -57,11 +105,34 @@ impl RecordFolder {
     pub fn check_inside(path: &Path, force: bool) -> Result<(), FolderError> {
         let Ok(entries) = fs::read_dir(path) else { return Ok(()) };
         let entries = entries.flatten().filter(|entry| entry.file_name() != LATEST);
-        let folders = entries.map(|entry| entry.path());
-        match folders.filter(|_| !force).find_map(|folder| Some((record_in(&folder)?, folder))) {
-            Some((file, path)) => Err(FolderError::Taken { path, file }),
-            None => Ok(()),
-        }
+        let taken = entries.map(|entry| entry.path()).find_map(|folder| match content(&folder) {
+            Content::Record(file) if !force => Some(FolderError::Taken { path: folder, file }),
+            _ => None,
+        });
+        taken.map_or(Ok(()), Err)
+    }
+
+    /// Checks that the record will not replace the scenario of its run.
+    ///
+    /// # Errors
+    /// It would.
+    pub fn check_source(&self, scenario: &Path) -> Result<(), FolderError> {
+        let is_inside = scenario.parent().is_some_and(|parent| {
+            let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
+            parent.canonicalize().is_ok_and(|it| self.path.canonicalize().is_ok_and(|here| here == it))
+        });
+        let is_replaced = is_inside && ALL.iter().any(|name| scenario.file_name() == Some(name.as_ref()));
+        if is_replaced { Err(FolderError::Source { path: scenario.to_owned() }) } else { Ok(()) }
+    }
+
+    /// Checks that a file that a command is to write is not part of a record.
+    ///
+    /// # Errors
+    /// It is.
+    pub fn check_output(file: &Path) -> Result<(), FolderError> {
+        let is_of_record = ALL.iter().any(|name| file.file_name() == Some(name.as_ref()))
+            && file.parent().is_some_and(|folder| matches!(content(folder), Content::Record(_)));
+        if is_of_record { Err(FolderError::Recorded { path: file.to_owned() }) } else { Ok(()) }
     }
 
     /// The path.
@@ -70,9 +141,76 @@ impl RecordFolder {
         &self.path
     }
 
-    /// Removes an earlier record.
+    /// Removes the record that the folder holds, what was derived from it, and the folder unless it has other files.
+    ///
+    /// # Errors
+    /// A file can't be removed.
+    pub fn remove(self) -> Result<(), WriteError> {
+        self.clear()?;
+        let latest = self.path.with_file_name(LATEST);
+        if fs::read_link(&latest).is_ok_and(|target| Some(target.as_os_str()) == self.path.file_name()) {
+            remove_if_present(&latest)?;
+        }
+        match fs::remove_dir(&self.path) {
+            Err(source) if source.kind() != ErrorKind::DirectoryNotEmpty => {
+                Err(WriteError { path: self.path, action: "removed", source })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts the files of a new record into the folder. `write` writes them to a folder in it: until all are there, an
+    /// earlier record stays, so that a full disk loses none.
+    pub(crate) fn begin<T>(
+        &self,
+        write: impl FnOnce(&Path) -> Result<T, WriteError>,
+    ) -> Result<T, WriteError> {
+        // Much later than the claim, if the run waited for a reader of its live page.
+        let later = match content(&self.path) {
+            Content::Record(file) if !self.force => Some(file),
+            Content::Foreign(file) => Some(file),
+            _ => None,
+        };
+        if let Some(file) = later {
+            let problem = format!("{file} is there since the command began; name another folder");
+            let source = io::Error::other(problem);
+            return Err(WriteError { path: self.path.clone(), action: "written", source });
+        }
+        let new = self.path.join(NEW);
+        remove_folder(&new)?;
+        let created = fs::create_dir(&new);
+        created.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })?;
+        let result = write(&new).and_then(|written| {
+            self.clear()?;
+            ALL.into_iter().try_for_each(|name| match fs::rename(new.join(name), self.path.join(name)) {
+                Err(source) if source.kind() != ErrorKind::NotFound => {
+                    Err(WriteError { path: self.path.join(name), action: "written", source })
+                }
+                _ => Ok(()),
+            })?;
+            Ok(written)
+        });
+        // What is left of it is empty, or the files of a record that did not begin; the first error says why.
+        let _ = remove_folder(&new);
+        result.map_err(|error| self.named(error))
+    }
+
+    /// The error of a file under the name that it has in the folder, wherever it began.
+    pub(crate) fn named(&self, error: WriteError) -> WriteError {
+        match error.path.strip_prefix(self.path.join(NEW)) {
+            Ok(name) => WriteError { path: self.path.join(name), ..error },
+            Err(_) => error,
+        }
+    }
+
+    /// Removes an earlier record and what was derived from it.
     pub(crate) fn clear(&self) -> Result<(), WriteError> {
-        ALL.iter().try_for_each(|file| remove_if_present(&self.path.join(file)))
+        match content(&self.path) {
+            Content::Record(_) => {
+                DERIVED.iter().chain(&ALL).try_for_each(|file| remove_if_present(&self.path.join(file)))
+            }
+            Content::Nothing | Content::Foreign(_) => Ok(()),
+        }
     }
 
     /// Makes the symbolic link `latest`, next to the folder, point to it. A file or folder of this name stays.
@@ -96,42 +234,39 @@ impl RecordFolder {
     }
 }
 
-/// A file of a record in the folder.
-fn record_in(folder: &Path) -> Option<&'static str> {
-    ALL.into_iter().rev().find(|file| folder.join(file).exists())
+/// Locks a folder. It leaves no file, and the kernel releases it with the process, however that ends.
+fn lock(path: &Path) -> Result<Option<File>, FolderError> {
+    let file = File::open(path).map_err(|source| FolderError::Create { path: path.to_owned(), source })?;
+    match resume::lock(&file) {
+        Ok(true) => Ok(Some(file)),
+        Ok(false) => Err(FolderError::InUse { path: path.to_owned() }),
+        Err(_) => Ok(None),
+    }
+}
+
+/// A record has a manifest; one of format 1, which has neither manifest nor scenario, a trace or a summary.
+fn content(folder: &Path) -> Content {
+    let has = |name: &&str| fs::symlink_metadata(folder.join(name)).is_ok();
+    let first = |names: &[&'static str]| names.iter().copied().find(|name| has(name));
+    if has(&MANIFEST_FILE) {
+        return Content::Record(MANIFEST_FILE);
+    }
+    let foreign = first(&[SCENARIO_FILE, REFERENCE_FILE]);
+    match (foreign, first(&[TRACE_FILE, SUMMARY_FILE])) {
+        (Some(file), _) => Content::Foreign(file),
+        (None, Some(file)) => Content::Record(file),
+        (None, None) => first(&ALL).or(first(&[REPORT_FILE])).map_or(Content::Nothing, Content::Foreign),
+    }
+}
+
+fn remove_folder(path: &Path) -> Result<(), WriteError> {
+    match fs::remove_dir_all(path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => {
+            Err(WriteError { path: path.to_owned(), action: "removed", source })
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_record_is_replaced_only_by_force() {
-        let parent = tempfile::tempdir().expect("a folder");
-        let path = parent.path().join("a/b");
-        RecordFolder::claim(&path, false).expect("a new folder");
-        fs::write(path.join("notes.txt"), "mine").expect("a file");
-        RecordFolder::claim(&path, false).expect("a folder without a record");
-        fs::write(path.join("trace.csv"), "old").expect("a trace");
-        let refused = RecordFolder::claim(&path, false).expect_err("a record").to_string();
-        assert!(refused.contains("(trace.csv)") && refused.contains("--force"), "{refused}");
-        let claimed = RecordFolder::claim(&path, true).expect("by force");
-        assert!(path.join("trace.csv").exists(), "the record stays until the run begins");
-        claimed.clear().expect("an empty folder");
-        assert_eq!(fs::read_dir(&path).expect("the folder").count(), 1, "other files stay");
-    }
-
-    #[test]
-    fn latest_points_to_the_last_record_and_replaces_no_folder() {
-        let parent = tempfile::tempdir().expect("a folder");
-        let claim = |name: &str| RecordFolder::claim(&parent.path().join(name), false).expect("a folder");
-        for name in ["first", "second"] {
-            claim(name).link_latest().expect("a link");
-            assert_eq!(fs::read_link(parent.path().join(LATEST)).expect("a link"), Path::new(name));
-        }
-        fs::remove_file(parent.path().join(LATEST)).expect("no link");
-        claim(LATEST).link_latest().expect("nothing to do");
-        claim("third").link_latest().expect("nothing to do");
-        assert!(parent.path().join(LATEST).is_dir() && !parent.path().join(LATEST).is_symlink());
-    }
-}
+mod tests;

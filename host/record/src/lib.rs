@@ -26,6 +26,7 @@ pub mod host_facts;
 pub mod manifest;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod read_error;
 pub mod reader;
 pub mod resolved;
 pub mod row;

@@ -1,13 +1,17 @@
 //! `record.json`: what was run. Written before the first step.
 
+use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
-use lashloop_bench::device::Evidence;
-use lashloop_bench::run::RunStart;
-use lashloop_bench::scenario::RunMode;
+use lashloop_bench::device::{Evidence, FileHash};
+use lashloop_bench::process_plant;
+use lashloop_bench::run::digest::sha256;
+use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::run::{Clock, RunStart};
+use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::session::Parameter;
 use lashloop_bench::timing::ClockName;
 use lashloop_plant::Signal;
@@ -29,6 +33,8 @@ pub struct Manifest {
     pub format: u32,
     /// The words of the command line.
     pub command_line: Vec<String>,
+    /// Folder that relative paths of the command line start from; absent in older records.
+    pub working_directory: Option<String>,
     /// Start of the run in UTC, as RFC 3339.
     pub started: String,
     /// The scenario; `scenario.toml` has every key of it.
@@ -41,14 +47,23 @@ pub struct Manifest {
     pub mode: RunMode,
     /// What paced the run.
     pub clock: ClockName,
+    /// How the bench kept time in real time; left out in lockstep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub real_time: Option<RealTimeOptions>,
     /// Control period.
     pub period_us: u32,
     /// The device as `--device` takes it.
     pub device: String,
+    /// The rig file as the user named it; left out without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rig: Option<String>,
     /// The device as one line of text.
     pub device_description: String,
     /// The files that ran as the drive, with their hashes, and what casts doubt on their origin.
     pub evidence: Evidence,
+    /// The files that ran as the plant, with their hashes, if it is a process.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plant_files: Vec<FileHash>,
     /// The computer.
     pub host: HostFacts,
     /// Versions of tool, protocol and firmware.
@@ -63,6 +78,25 @@ pub struct Manifest {
     pub signals: Vec<DescribedSignal>,
     /// The signals of the plant.
     pub plant_signals: Vec<NamedUnit>,
+}
+
+/// The options of `lashloop run --clock real-time`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RealTimeOptions {
+    /// Busy-waiting before each step.
+    pub spin_us: u64,
+    /// Priority under SCHED_FIFO; null for the normal scheduler.
+    pub fifo: Option<u8>,
+    /// Whether the bench's memory was locked.
+    pub lock_memory: bool,
+    /// Core of the loop; null for any.
+    pub core: Option<usize>,
+}
+
+impl From<RealTime> for RealTimeOptions {
+    fn from(RealTime { spin, fifo_priority, lock_memory, core }: RealTime) -> Self {
+        Self { spin_us: spin.as_micros() as u64, fifo: fifo_priority, lock_memory, core }
+    }
 }
 
 /// The file of a scenario.
@@ -152,6 +186,20 @@ impl From<&Signal> for NamedUnit {
     }
 }
 
+/// Hashes of the files of a plant in a process.
+fn plant_files(scenario: &Scenario) -> Vec<FileHash> {
+    let plant = &scenario.plant;
+    let files = match plant.model.name() {
+        process_plant::NAME => process_plant::files(&plant.values, &plant.folder),
+        _ => Vec::new(),
+    };
+    let hash = |path: PathBuf| FileHash {
+        sha256: fs::read(&path).map_or_else(|error| error.to_string(), |bytes| sha256(&bytes)),
+        path: path.display().to_string(),
+    };
+    files.into_iter().map(hash).collect()
+}
+
 impl Manifest {
     /// The manifest of a run that starts now.
     #[must_use]
@@ -166,6 +214,7 @@ impl Manifest {
         Self {
             format: FORMAT,
             command_line: source.command_line.clone(),
+            working_directory: source.working_directory.clone(),
             started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
             scenario: ScenarioFile {
                 name: scenario.title.clone(),
@@ -175,11 +224,17 @@ impl Manifest {
             overrides: source.overrides.clone(),
             seed: scenario.run.seed,
             mode: scenario.run.mode,
-            clock,
+            clock: clock.name(),
+            real_time: match clock {
+                Clock::Lockstep => None,
+                Clock::RealTime(options) => Some(options.into()),
+            },
             period_us: scenario.run.control_period_us,
             device: device.connection.choice.to_string(),
+            rig: source.rig.clone(),
             device_description: device.description(),
             evidence: device.evidence(),
+            plant_files: plant_files(scenario),
             host: HostFacts::read(),
             versions: Versions::of(&session.identity),
             law: scenario.controller.name.clone(),

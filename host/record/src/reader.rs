@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs;
-use std::io::{self, ErrorKind};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use lashloop_plant::Signal;
@@ -13,8 +13,9 @@ use serde::de::DeserializeOwned;
 use crate::columns::Columns;
 use crate::file_names::{COLUMNS_FILE, MANIFEST_FILE, SAMPLES_FILE, SUMMARY_FILE, TIMING_FILE, TRACE_FILE};
 use crate::manifest::Manifest;
+pub use crate::read_error::{ReadError, ReadFault};
 use crate::row::Row;
-use crate::samples::{Samples, SamplesError};
+use crate::samples::{RecordedEdge, RecordedText, Samples, SamplesError};
 use crate::trace::TELEMETRY_TIME;
 use lashloop_bench::scenario::RunMode;
 
@@ -39,6 +40,10 @@ pub struct Record {
     pub trace: Table,
     /// Timing of each step, if it was recorded.
     pub timing: Option<Table>,
+    /// Begins and ends of injected faults; none without `run.mcap`.
+    pub faults: Vec<RecordedEdge>,
+    /// Texts of the drive; none without `run.mcap`.
+    pub logs: Vec<RecordedText>,
     /// Head of `summary.json`, if the run has a verdict.
     pub summary: Option<SummaryHead>,
 }
@@ -96,66 +101,6 @@ pub struct FiredFault {
     pub kind: String,
     /// The step in which it began.
     pub step: usize,
-}
-
-/// An unusable record: file, line and reason.
-#[derive(Debug, thiserror::Error)]
-#[error("{}{}: {fault}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
-pub struct ReadError {
-    /// The file.
-    pub path: PathBuf,
-    /// Counted from 1; `None` for an error of the whole file.
-    pub line: Option<u64>,
-    /// What is wrong.
-    pub fault: ReadFault,
-}
-
-/// Reasons for an unusable record.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadFault {
-    /// The file can't be read.
-    #[error("can't be read: {0}")]
-    Read(#[from] io::Error),
-    /// A row with another number of fields than the header.
-    #[error("fields in this row: {found}; the header has {columns} columns")]
-    Fields {
-        /// Fields in the row.
-        found: usize,
-        /// Columns of the header.
-        columns: usize,
-    },
-    /// A field that isn't a number.
-    #[error("{column} is {found:?}; it must be a number")]
-    NotANumber {
-        /// The column.
-        column: String,
-        /// The field.
-        found: String,
-    },
-    /// A missing column.
-    #[error("there is no column {column}; this is not a file that `lashloop run --out` has written")]
-    Column {
-        /// The column.
-        column: String,
-    },
-    /// A table without rows.
-    #[error("has no rows: the run was cut short before its first rows reached the disk")]
-    Empty,
-    /// Not CSV.
-    #[error("is not a table: {0}")]
-    Csv(#[from] csv::Error),
-    /// Not a summary.
-    #[error("is not the summary of a run: {0}")]
-    Summary(serde_json::Error),
-    /// Not a manifest.
-    #[error("is not the manifest of a record: {0}")]
-    Manifest(serde_json::Error),
-    /// Not samples.
-    #[error(transparent)]
-    Samples(SamplesError),
-    /// Not a list of columns.
-    #[error("is not the list of a trace's columns: {0}")]
-    Columns(serde_json::Error),
 }
 
 impl Table {
@@ -242,16 +187,49 @@ impl Record {
     /// # Errors
     /// There are neither samples nor a trace, they have no rows, or one of the files is unusable.
     pub fn read(folder: &Path) -> Result<Self, ReadError> {
+        let record = Self::read_any(folder)?;
+        if record.trace.is_empty() { Err(record.no_rows()) } else { Ok(record) }
+    }
+
+    /// Reads the folder of a run that may have ended before its first torque.
+    ///
+    /// # Errors
+    /// There are neither samples nor a trace, or one of the files is unusable.
+    pub fn read_any(folder: &Path) -> Result<Self, ReadError> {
         let manifest = if_it_exists(read_json(&folder.join(MANIFEST_FILE), ReadFault::Manifest))?;
-        let (trace, timing) = match if_it_exists(read_samples(&folder.join(SAMPLES_FILE)))? {
-            Some((trace, timing)) => (trace, Some(timing)),
-            None => (read_trace(folder)?, if_it_exists(read_timing(&folder.join(TIMING_FILE)))?),
+        let samples = if_it_exists(read_samples(&folder.join(SAMPLES_FILE)))?;
+        let tables = || -> Result<_, ReadError> {
+            Ok((read_trace(folder)?, if_it_exists(read_timing(&folder.join(TIMING_FILE)))?))
         };
-        if trace.is_empty() {
-            return Err(ReadError { path: trace.path, line: None, fault: ReadFault::Empty });
-        }
+        let (trace, timing, faults, logs) = match samples {
+            Some(Samples { trace, timing, faults, logs, is_torn }) => {
+                let table = |columns| Table { path: folder.join(SAMPLES_FILE), columns, is_torn };
+                let rows = if trace.is_empty() { if_it_exists(tables())? } else { None };
+                // A chunk of the tables is written before that of the samples.
+                match rows {
+                    Some((rows, timing)) if !rows.is_empty() => (rows, timing, faults, logs),
+                    _ => (table(trace), Some(table(timing)), faults, logs),
+                }
+            }
+            None => {
+                let (trace, timing) = tables()?;
+                (trace, timing, Vec::new(), Vec::new())
+            }
+        };
         let summary = if_it_exists(SummaryHead::read(&folder.join(SUMMARY_FILE)))?;
-        Ok(Self { folder: folder.to_owned(), manifest, trace, timing, summary })
+        Ok(Self { folder: folder.to_owned(), manifest, trace, timing, faults, logs, summary })
+    }
+
+    /// The error of a record without rows.
+    #[must_use]
+    pub fn no_rows(&self) -> ReadError {
+        ReadError { path: self.trace.path.clone(), line: None, fault: ReadFault::Empty }
+    }
+
+    /// Whether the columns are those of `run.mcap`, which has every bit.
+    #[must_use]
+    pub fn is_of_samples(&self) -> bool {
+        self.trace.path.ends_with(SAMPLES_FILE)
     }
 
     /// Whether the record has all that its run was to leave.
@@ -293,18 +271,14 @@ impl ColumnList {
     }
 }
 
-/// Trace and timing of `run.mcap`.
-fn read_samples(path: &Path) -> Result<(Table, Table), ReadError> {
-    let read = Samples::read(path).map_err(|error| {
+fn read_samples(path: &Path) -> Result<Samples, ReadError> {
+    Samples::read(path).map_err(|error| {
         let fault = match error {
             SamplesError::Read(source) => ReadFault::Read(source),
             other => ReadFault::Samples(other),
         };
         ReadError { path: path.to_owned(), line: None, fault }
-    });
-    let Samples { trace, timing, is_torn } = read?;
-    let table = |columns| Table { path: path.to_owned(), columns, is_torn };
-    Ok((table(trace), table(timing)))
+    })
 }
 
 /// `trace.csv`, with the units of `trace.json` and the drive's signals repeated until the next telemetry.

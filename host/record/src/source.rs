@@ -1,7 +1,7 @@
 //! Where a run comes from: the command line, the scenario's file, and what was set in its place.
 
-use std::fs;
 use std::path::Path;
+use std::{env, fs};
 
 use lashloop_bench::run::digest::sha256;
 use lashloop_bench::scenario::{Override, Scenario};
@@ -14,10 +14,14 @@ use toml_edit::{DocumentMut, Item, Value};
 pub struct RunSource {
     /// The words of the command line.
     pub command_line: Vec<String>,
+    /// Folder that relative paths of the command line start from.
+    pub working_directory: Option<String>,
     /// SHA-256 of the scenario's file in hexadecimal; `None` for a scenario without a file.
     pub scenario_sha256: Option<String>,
     /// What was set in place of the file's values.
     pub overrides: Vec<Overridden>,
+    /// The rig file as the user named it.
+    pub rig: Option<String>,
 }
 
 /// A key that was set in place of the scenario's value.
@@ -44,11 +48,19 @@ impl RunSource {
         };
         let before = before.and_then(|text| text.parse::<DocumentMut>().ok());
         Self {
-            command_line: std::env::args().map(without_secret).collect(),
+            command_line: command_line(),
+            working_directory: working_directory(),
             scenario_sha256: text.as_deref().map(sha256),
             overrides: overrides.iter().map(|it| Overridden::new(it, before.as_ref())).collect(),
+            rig: None,
         }
     }
+}
+
+/// The working directory of this process; `None` if it was removed.
+#[must_use]
+pub fn working_directory() -> Option<String> {
+    env::current_dir().ok().map(|folder| folder.display().to_string())
 }
 
 impl Overridden {
@@ -77,6 +89,12 @@ fn at(root: &Item, path: &str) -> Option<String> {
         Item::Value(Value::String(text)) => Some(text.value().clone()),
         item => Some(item.to_string().trim().to_owned()),
     }
+}
+
+/// The command line of this process, as a record may show it. Bytes that aren't UTF-8 are replaced.
+#[must_use]
+pub fn command_line() -> Vec<String> {
+    std::env::args_os().map(|argument| without_secret(argument.to_string_lossy().into_owned())).collect()
 }
 
 /// An argument as a record may show it: others read records.

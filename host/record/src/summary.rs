@@ -47,6 +47,12 @@ pub struct Summary {
     /// Why the verdict is INVALID; left out otherwise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub breaches: Vec<Breach>,
+    /// Where the recorded motion leaves the plant model; left out otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gate: Option<String>,
+    /// Why the verdict is not PASS, each reason as one phrase; left out for PASS.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<String>,
     /// Number of control steps.
     pub steps: u64,
     /// Simulated time.
@@ -204,6 +210,8 @@ mod tests {
             end: "complete".to_owned(),
             broken_rule: None,
             breaches: Vec::new(),
+            gate: None,
+            reasons: vec!["settle_time_s: never".to_owned()],
             steps: 4,
             simulated_s: 2.0,
             wall_s: 0.25,
@@ -252,6 +260,9 @@ mod tests {
           },
           "seed": 1,
           "end": "complete",
+          "reasons": [
+            "settle_time_s: never"
+          ],
           "steps": 4,
           "simulated_s": 2.0,
           "wall_s": 0.25,
@@ -375,11 +386,9 @@ mod tests {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         fs::create_dir(&path).expect("a directory in the way");
-        let error = summary().write(&path).expect_err("a directory in the way");
-        assert!(
-            error.to_string().starts_with(&format!("{}: cannot be written: ", path.display())),
-            "{error}"
-        );
+        let error = summary().write(&path).expect_err("a directory in the way").to_string();
+        let start = format!("{}: cannot be written: ", path.display());
+        assert!(error.starts_with(&start), "{error}");
         assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
     }
 

@@ -1,4 +1,4 @@
-//! `timing.csv`: timing of each control step, one row each, in whole us from 10 us on. Apart from the trace, because timing differs from run to run.
+//! `timing.csv`: timing of each control step, one row each, in whole us. Apart from the trace, because timing differs from run to run.
 
 use std::path::Path;
 use std::time::Duration;
@@ -75,10 +75,7 @@ impl TimingWriter {
     /// The file can't be created or written.
     pub fn create(folder: &Path, flush_rows: u32) -> Result<Self, WriteError> {
         // The first one is the number of the row.
-        let header = TimingRow::COLUMNS.iter().skip(1).map(|(name, unit)| {
-            // Less than 10 us with decimals.
-            (*name, if unit.is_empty() { Digits::Decimals(0) } else { Digits::Significant(2) })
-        });
+        let header = TimingRow::COLUMNS.iter().skip(1).map(|(name, _)| (*name, Digits::Decimals(0)));
         TableWriter::create(&folder.join(TIMING_FILE), header, flush_rows).map(Self)
     }
 

@@ -20,12 +20,13 @@ use std::io::Write;
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
-use lashloop_bench::run::{Step, TraceRow};
+use lashloop_bench::run::{RunStart, Step, StepObserver, TraceRow};
 use lashloop_bench::scenario::sections::EncoderSettings;
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{DRIVE_PREFIX, SignalTable};
 use serde::Serialize;
 
+use crate::columns::Columns;
 use crate::digits::Digits;
 use crate::file_names::{COLUMNS_FILE, TRACE_FILE};
 use crate::row::{Row, row};
@@ -89,6 +90,19 @@ pub(crate) fn sent_values(step: &Step) -> [f64; 3] {
     step.sample.map_or([f64::NAN; 3], |sample| {
         [sample.motor_counts.get().into(), sample.load_counts.get().into(), sample.reference_rad.into()]
     })
+}
+
+/// Keeps every step of a run in memory.
+impl StepObserver for Columns {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        *self = Self::new(columns(start.signals));
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.push(row(step));
+        Ok(())
+    }
 }
 
 /// Writes a trace and the list of its columns.

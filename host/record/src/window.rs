@@ -5,39 +5,54 @@
 use std::collections::VecDeque;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{RunStart, Step, StepObserver};
+use lashloop_bench::run::{Event, RunStart, Step, StepObserver};
 use lashloop_bench::timing::StepOutcome;
 
 use crate::folder::RecordFolder;
 use crate::source::RunSource;
 use crate::summary::Summary;
-use crate::writer::Beginning;
+use crate::writer::{Beginning, Files};
 
 /// Keeps the steps of a window in memory.
 pub struct WindowRecorder {
     source: RunSource,
     beginning: Option<Beginning>,
     ring: Ring<Step>,
+    /// Events of the whole run, the latest ones.
+    events: VecDeque<(u32, Event)>,
     around_s: f64,
 }
+
+/// A drive may log without end.
+const MAX_EVENTS: usize = 1000;
 
 impl WindowRecorder {
     /// A window of `around_s` before and after.
     #[must_use]
     pub fn new(around_s: f64, source: RunSource) -> Self {
-        Self { source, beginning: None, ring: Ring::new(0), around_s }
+        Self { source, beginning: None, ring: Ring::new(0), events: VecDeque::new(), around_s }
     }
 
     /// Writes the window to a folder; without a summary for a run that has none.
     ///
     /// # Errors
     /// A file can't be written.
-    pub fn write(self, folder: &RecordFolder, end: Option<(&Summary, &[String])>) -> Result<(), WriteError> {
+    pub fn write(self, folder: &RecordFolder, summary: Option<&Summary>) -> Result<(), WriteError> {
         let Some(beginning) = self.beginning else { return Ok(()) };
         let (first_step, steps) = self.ring.window();
         let mut files = beginning.write(folder, first_step)?;
-        steps.iter().try_for_each(|step| files.push(step))?;
-        end.map_or(Ok(()), |(summary, logs)| files.finish(folder.path(), summary, logs))
+        let push = |files: &mut Files| {
+            let mut events = self.events.iter().peekable();
+            for (number, step) in (first_step..).zip(&steps) {
+                while let Some((at, event)) = events.next_if(|(at, _)| u64::from(*at) <= number) {
+                    files.push_event(*at, event)?;
+                }
+                files.push(step)?;
+            }
+            events.try_for_each(|(at, event)| files.push_event(*at, event))
+        };
+        push(&mut files).map_err(|error| folder.named(error))?;
+        summary.map_or(Ok(()), |summary| files.finish(folder, summary))
     }
 }
 
@@ -52,16 +67,27 @@ impl StepObserver for WindowRecorder {
         self.ring.push(step.clone(), step.timing.outcome != StepOutcome::Answered);
         Ok(())
     }
+
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.events.push_back((step, event.clone()));
+        if self.events.len() > MAX_EVENTS {
+            self.events.pop_front();
+        }
+        Ok(())
+    }
 }
 
 /// The latest items, and those around the longest run of triggers.
 #[derive(Debug)]
 struct Ring<T> {
     around: usize,
+    /// As many items as the window has before a run, and the run that goes on.
     latest: VecDeque<T>,
     pushed: u64,
     /// Length of the run of triggers that goes on.
     run: usize,
+    /// Whether it is the longest.
+    is_longest: bool,
     longest: usize,
     /// The window around the longest run, its first item's number, and the items that it still takes.
     around_longest: VecDeque<T>,
@@ -76,6 +102,7 @@ impl<T: Clone> Ring<T> {
             latest: VecDeque::new(),
             pushed: 0,
             run: 0,
+            is_longest: false,
             longest: 0,
             around_longest: VecDeque::new(),
             first: 0,
@@ -85,23 +112,23 @@ impl<T: Clone> Ring<T> {
 
     fn push(&mut self, item: T, is_trigger: bool) {
         self.run = if is_trigger { self.run + 1 } else { 0 };
-        if self.run > self.longest {
-            // The window of a run that was the longest already goes on.
-            if self.run != self.longest + 1 || self.run == 1 || self.open < self.around {
+        let is_longest = self.run > self.longest;
+        if is_longest {
+            if !self.is_longest {
                 self.first = self.pushed - self.latest.len() as u64;
                 self.around_longest = self.latest.clone();
             }
             self.longest = self.run;
             self.open = self.around + 1;
         }
+        self.is_longest = is_longest;
         if self.open > 0 {
             self.open -= 1;
             self.around_longest.push_back(item.clone());
         }
         self.latest.push_back(item);
-        if self.latest.len() > self.around {
-            self.latest.pop_front();
-        }
+        let surplus = self.latest.len().saturating_sub(self.around + self.run);
+        self.latest.drain(..surplus);
         self.pushed += 1;
     }
 
@@ -137,7 +164,17 @@ mod tests {
     fn a_window_has_items_before_and_after_the_longest_run_of_triggers() {
         assert_eq!(kept(20, &[9]), (6, (6..=12).collect()));
         assert_eq!(kept(20, &[9, 10]), (6, (6..=13).collect()));
-        assert_eq!(kept(30, &[5, 15, 16, 25]), (13, (13..=19).collect()));
+        assert_eq!(kept(30, &[5, 15, 16, 25]), (12, (12..=19).collect()));
+        assert_eq!(
+            kept(30, &[4, 5, 6, 7, 15, 16, 17, 18, 19]),
+            (12, (12..=22).collect()),
+            "both exceed the time around"
+        );
+        assert_eq!(
+            kept(30, &[10, 11, 13, 14, 15]),
+            (10, (10..=18).collect()),
+            "a window may hold an earlier run"
+        );
         assert_eq!(kept(10, &[0, 9]), (0, vec![0, 1, 2, 3]));
         assert_eq!(kept(10, &[9]), (6, vec![6, 7, 8, 9]), "the run has ended");
     }

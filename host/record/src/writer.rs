@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{RunStart, Step, StepObserver};
+use lashloop_bench::run::{Event, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::SignalTable;
 
@@ -39,22 +39,27 @@ impl RecordWriter {
         self.folder.path()
     }
 
-    /// Removes the files of the record.
+    /// Removes the files of the record, if the run has begun. An earlier record that it was to replace stays.
     ///
     /// # Errors
     /// A file can't be removed.
     pub fn discard(self) -> Result<(), WriteError> {
-        drop(self.files);
-        self.folder.clear()
+        match self.files {
+            Some(files) => {
+                drop(files);
+                self.folder.clear()
+            }
+            None => Ok(()),
+        }
     }
 
     /// Writes what is pending, then the summary.
     ///
     /// # Errors
     /// A file can't be written.
-    pub fn finish(self, summary: &Summary, logs: &[String]) -> Result<(), WriteError> {
+    pub fn finish(self, summary: &Summary) -> Result<(), WriteError> {
         match self.files {
-            Some(files) => files.finish(self.folder.path(), summary, logs),
+            Some(files) => files.finish(&self.folder, summary),
             None => summary.write(&self.folder.path().join(SUMMARY_FILE)),
         }
     }
@@ -68,7 +73,13 @@ impl StepObserver for RecordWriter {
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.files.as_mut().map_or(Ok(()), |files| files.push(step))
+        let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push(step));
+        pushed.map_err(|error| self.folder.named(error))
+    }
+
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push_event(step, event));
+        pushed.map_err(|error| self.folder.named(error))
     }
 }
 
@@ -88,11 +99,17 @@ impl Beginning {
         }
     }
 
-    /// Replaces what the folder holds. `first_step` is the number of the first step to come.
+    /// Replaces what the folder holds, once the first chunk of each file is written. `first_step` is the number of the first
+    /// step to come.
     pub(crate) fn write(&self, folder: &RecordFolder, first_step: u64) -> Result<Files, WriteError> {
+        let files = folder.begin(|path| self.write_files(path, first_step))?;
+        // The link is a shortcut. In a folder of all users, such as /tmp, it may belong to another one.
+        let _ = folder.link_latest();
+        Ok(files)
+    }
+
+    fn write_files(&self, path: &Path, first_step: u64) -> Result<Files, WriteError> {
         let Self { manifest, scenario, signals } = self;
-        folder.clear()?;
-        let path = folder.path();
         let resolved = resolved::files(scenario).map_err(|error| WriteError {
             path: path.join(SCENARIO_FILE),
             action: "written",
@@ -110,10 +127,7 @@ impl Beginning {
             flush_rows: flush_rows.into(),
             next_step: first_step,
         };
-        // Last of all: where it is, the folder is a record.
         manifest.write(path)?;
-        // The link is a shortcut. In a folder of all users, such as /tmp, it may belong to another one.
-        let _ = folder.link_latest();
         Ok(files)
     }
 }
@@ -136,12 +150,18 @@ impl Files {
         if self.next_step.is_multiple_of(self.flush_rows) { self.samples.flush() } else { Ok(()) }
     }
 
-    pub(crate) fn finish(self, folder: &Path, summary: &Summary, logs: &[String]) -> Result<(), WriteError> {
+    pub(crate) fn push_event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.samples.push_event(step, event)
+    }
+
+    pub(crate) fn finish(self, folder: &RecordFolder, summary: &Summary) -> Result<(), WriteError> {
         let Self { samples, trace, timing, .. } = self;
-        trace.finish()?;
-        timing.finish()?;
         let text = serde_json::to_string_pretty(summary).unwrap_or_default();
-        samples.finish(&summary.faults, logs, (SUMMARY_FILE, &text))?;
-        summary.write(&folder.join(SUMMARY_FILE))
+        let ended = trace
+            .finish()
+            .and_then(|()| timing.finish())
+            .and_then(|()| samples.finish((SUMMARY_FILE, &text)));
+        ended.map_err(|error| folder.named(error))?;
+        summary.write(&folder.path().join(SUMMARY_FILE))
     }
 }

@@ -2,14 +2,13 @@
 
 use lashloop_bench::names::UnknownName;
 use lashloop_record::columns::Columns;
+use lashloop_record::trace::{TELEMETRY_TIME, TIME};
 
 use crate::draw_error::DrawError;
 use crate::plot::{Axis, Panel, Role, Series};
 
 /// Curves of one panel that have a colour of their own.
 const MOST: usize = Role::COLOURS;
-/// Column of the time of a row's telemetry: an axis, no signal.
-const TELEMETRY_TIME: &str = "telemetry_time_s";
 
 /// The shown rows of a record or of a capture.
 pub(crate) struct Source<'a> {
@@ -62,6 +61,7 @@ fn matches(sources: &[Source<'_>], patterns: &[String]) -> Result<Vec<String>, D
     let mut found: Vec<String> = Vec::new();
     for pattern in patterns {
         let is_wild = pattern.contains('*');
+        // The time of a row's telemetry is an axis, no signal.
         let is_axis = |name: &str| name == TELEMETRY_TIME || sources.iter().any(|it| it.axis() == name);
         let hits: Vec<&str> = known
             .iter()
@@ -140,7 +140,7 @@ impl Source<'_> {
 
     fn x_axis(&self) -> Axis {
         match self.axis() {
-            "time_s" => Axis::new("time", "s"),
+            TIME => Axis::new("time", "s"),
             name => Axis::new(name, ""),
         }
     }

@@ -28,6 +28,7 @@ pub mod paper;
 pub mod plot;
 pub mod png;
 pub mod runs;
+mod steps;
 mod xml;
 
 #[cfg(test)]

@@ -5,10 +5,12 @@ use std::ops::RangeInclusive;
 use lashloop_record::columns::Columns;
 use lashloop_record::reader::{ReadError, Record, Table};
 use lashloop_record::timing::TimingRow;
+use lashloop_record::trace::TIME;
 
 use crate::chosen::{self, Source};
 pub use crate::draw_error::DrawError;
 use crate::plot::{Axis, Figure, Panel, Role, Series};
+use crate::steps::{round_trip_us, row_of_step};
 
 /// What is plotted.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +40,6 @@ pub enum Input {
 /// Largest number of marked faults; more would hide the curves.
 const MARKED: usize = 6;
 
-const TIME: &str = "time_s";
 const DEAD_ZONE_RAD: &str = "dead_zone_rad";
 const ESTIMATE_RAD: &str = "drive.dead_zone_estimate_rad";
 const TWIST_RAD: &str = "twist_rad";
@@ -164,8 +165,8 @@ struct Run<'a> {
     role: Role,
     name: &'a str,
     record: &'a Record,
-    /// Step of the first row in the range.
-    first_step: usize,
+    /// The first row in the range.
+    first_row: usize,
     shown: Columns,
     /// All rows. After a killed run it may be shorter than the trace, because the two files are written in turn.
     timing: Option<Vec<TimingRow>>,
@@ -185,12 +186,12 @@ impl<'a> Run<'a> {
             record.trace.column(column)?;
         }
         let end = time_s.partition_point(|time_s| time_s <= shown_s.end());
-        let first_step = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
-        let shown = record.trace.columns.select(|row| (first_step..end).contains(&row));
+        let first_row = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
+        let shown = record.trace.columns.select(|row| (first_row..end).contains(&row));
         let timing = record.timing.as_ref().map(Table::rows::<TimingRow>).transpose()?;
         let role = Role::Line { colour: number, dash: number };
         let end_s = time_s.last().copied().unwrap_or(f64::NAN);
-        Ok(Self { role, name, record, first_step, shown, timing, end_s })
+        Ok(Self { role, name, record, first_row, shown, timing, end_s })
     }
 
     fn source(&self) -> Source<'_> {
@@ -265,9 +266,8 @@ fn of_all(
 
 fn round_trip(runs: &[Run<'_>]) -> Panel {
     of_all(runs, "Round trip", Axis::new("sample to torque", "us"), |run| {
-        let timing = run.timing.iter().flatten().skip(run.first_step).take(run.shown.len());
-        let sum_us = timing.map(|row| row.send_us + row.line_and_device_us + row.compute_us + row.receive_us);
-        Some(sum_us.collect())
+        let timing = run.timing.iter().flatten().skip(run.first_row).take(run.shown.len());
+        Some(timing.map(round_trip_us).collect())
     })
 }
 
@@ -300,7 +300,7 @@ fn position(runs: &[Run<'_>]) -> Panel {
         let faults = run.record.summary.iter().flat_map(|summary| &summary.faults);
         let time_s = run.time_s();
         let marks = faults.filter_map(|fault| {
-            let row = fault.step.checked_sub(run.first_step)?;
+            let row = row_of_step(run.record, fault.step as u64)?.checked_sub(run.first_row)?;
             Some((&fault.kind, *time_s.get(row)?, *load_rad.get(row)?))
         });
         let marks: Vec<_> = marks.take(MARKED).collect();

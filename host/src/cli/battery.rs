@@ -1,36 +1,38 @@
 //! `lashloop battery`: control laws on plants outside their tuning.
 
-use std::io::Write;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use std::thread;
+use std::path::PathBuf;
 
-use crate::bench::Bench;
-use crate::campaign::journal::Header;
-use crate::campaign::law::Law;
-use crate::campaign::plan::Settings;
-use crate::campaign::{Campaign, CampaignError, table};
-use crate::journal::{Journal, program_sha256};
-use crate::workers::Ended;
 use clap::Args;
-use lashloop_bench::atomic_file::write_whole;
+use lashloop_bench::device::kinds::in_process::InProcessDrive;
 use lashloop_bench::verdict::Exit;
+use lashloop_campaign::Selection;
+use lashloop_campaign::merge::RESULTS;
+use lashloop_campaign::shard::Shard;
+use lashloop_campaign::table::Table;
+use lashloop_firmware::Laws;
 
-use super::error::{CliError, system};
-use super::output::{self, outln, prepare_folder};
-use super::progress::Progress;
+use super::campaign_run::{
+    Concluded, Execution, Made, ResultsFolder, evidence_interrupted, interruption, jobs, start,
+};
+use super::error::CliError;
+use super::options::plants;
+use super::output::outln;
 use super::supervision::start_supervisor;
+use crate::bench::Bench;
+use crate::campaign::battery::{RANDOM_PLANTS, campaign, parse_law};
+use crate::campaign::text::Tables;
 
 /// Run control laws on random and varied plants, in process and in parallel
 ///
 /// First random plants (parameters within 30 % of their nominal values; gap, stiction and encoders over ranges of their
 /// own), then the nominal plant with one quantity varied at a time. Exit code 1 if a law misses one of its limits on the
-/// random plants.
+/// random plants. The campaign is campaigns/battery.toml; `lashloop campaign` runs others.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Number of random plants
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    plants: u32,
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    plants: u64,
 
     /// Seed of every random stream; equal seeds give equal plants and tables
     #[arg(long, default_value_t = 1)]
@@ -41,9 +43,10 @@ pub(crate) struct Arguments {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
-        default_value = "pd,merzouki,backlash-inverse,braking-curve"
+        default_value = "pd,merzouki,backlash-inverse,braking-curve",
+        value_parser = parse_law
     )]
-    controller: Vec<Law>,
+    controller: Vec<String>,
 
     /// Omit the runs with one quantity varied
     #[arg(long)]
@@ -53,93 +56,42 @@ pub(crate) struct Arguments {
     #[arg(long)]
     jobs: Option<NonZeroUsize>,
 
-    /// Folder for the results: runs.jsonl during the battery, runs.csv and battery.json at its end
+    /// Folder for the results: results.csv, report.json, and what resumes them
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Resume the battery in runs.jsonl
+    /// Continue the results in the folder of --out
     #[arg(long, requires = "out")]
     resume: bool,
 }
 
-const JOURNAL: &str = "runs.jsonl";
-const TABLE: &str = "runs.csv";
-const REPORT: &str = "battery.json";
-
 impl Arguments {
-    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
-        let mut laws = self.controller.clone();
-        laws.sort_unstable();
-        laws.dedup();
-        let settings = Settings { seed: self.seed, plants: self.plants, laws, sweeps: !self.no_sweeps };
-        let mut campaign = Campaign::new(settings.clone())?;
-        let mut journal = match &self.out {
-            Some(folder) => Some(prepare(folder, self.resume, settings, &mut campaign)?),
-            None => None,
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let selection = Selection {
+            seed: Some(self.seed),
+            set: Vec::new(),
+            parts: if self.no_sweeps { vec![RANDOM_PLANTS.to_owned()] } else { Vec::new() },
+            variants: self.controller,
+            points: Some(self.plants),
         };
-        let jobs = self.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-        let supervisor = start_supervisor()?;
-        let progress = Progress::over(format!("{} runs", campaign.total()), campaign.total() as u64);
-        let mut done = campaign.done() as u64;
-        progress.show(done);
-        let signals = supervisor.guard_signals();
-        let ended = campaign.run(jobs, &supervisor, |result| {
-            done += 1;
-            progress.show(done);
-            journal.as_mut().map_or(Ok(()), |journal| journal.append(result))
-        });
-        drop(signals);
-        drop(progress);
-        if ended? == Ended::Interrupted {
-            let (done, all) = (campaign.done(), campaign.total());
-            let kept = match &self.out {
-                Some(folder) => {
-                    format!("kept in {}; resume with --resume", folder.join(JOURNAL).display())
-                }
-                None => "lost; --out keeps them".to_owned(),
-            };
-            outln!("interrupted: {done} of {all} runs are complete and {kept}");
+        let campaign = campaign(selection, &plants(bench))?;
+        let folder = ResultsFolder::new(self.out.as_deref())?;
+        let folder = folder.path();
+        let (device, supervisor) = (InProcessDrive::<Laws>::default().into(), start_supervisor()?);
+        let is_kept = self.out.is_some();
+        let execution =
+            Execution { campaign: &campaign, device: &device, folder, supervisor: &supervisor, is_kept };
+        let Made { done, .. } = execution.run(Shard::WHOLE, jobs(self.jobs, &device)?, start(self.resume))?;
+        if let Some(text) = interruption(done, campaign.plan.cases(), self.out.as_deref()) {
+            outln!("{text}");
             return Ok(Exit::Invalid);
         }
-        let report = campaign.report();
-        if let Some(folder) = &self.out {
-            write_whole(&folder.join(TABLE), ".runs-", |file| table::write(file, campaign.results()))?;
-            write_whole(&folder.join(REPORT), ".battery-", |file| {
-                serde_json::to_writer_pretty(&mut *file, &report)?;
-                file.write_all(b"\n")
-            })?;
-        }
-        outln!("{report}");
-        Ok(report.verdict.into())
+        let Some(Concluded { report, .. }) = execution.conclude()? else {
+            outln!("{}", evidence_interrupted(folder));
+            return Ok(Exit::Invalid);
+        };
+        let verdict = report.verdict;
+        outln!("{}", Tables::new(report, &Table::new(&campaign, &folder.join(RESULTS)))?);
+        Ok(verdict.into())
     }
-}
-
-/// Opens the journal in its folder.
-fn prepare(
-    folder: &Path,
-    resume: bool,
-    settings: Settings,
-    campaign: &mut Campaign,
-) -> Result<Journal, CliError> {
-    prepare_folder(folder, &[])?;
-    let header = Header {
-        lashloop: env!("CARGO_PKG_VERSION").to_owned(),
-        program_sha256: program_sha256().map_err(system("read this program"))?,
-        settings,
-    };
-    let path = folder.join(JOURNAL);
-    let journal = if resume {
-        let journal = Journal::resume(&path, &header, |result| campaign.take(result));
-        let journal = journal.map_err(CampaignError::from)?;
-        output::error_line(format_args!(
-            "{} of {} runs restored from the journal",
-            campaign.done(),
-            campaign.total()
-        ));
-        journal
-    } else {
-        Journal::create(&path, &header).map_err(CampaignError::from)?
-    };
-    prepare_folder(folder, &[TABLE, REPORT])?;
-    Ok(journal)
 }

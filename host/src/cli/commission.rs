@@ -18,7 +18,7 @@ use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
-use super::identify::write_estimates;
+use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, TakenRig, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
 use super::run::summary;
@@ -82,6 +82,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     torque_delay_us: Option<u32>,
 
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this either way [default: none]
+    #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
+    encoder_noise: Option<f64>,
+
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
     start: Option<PathBuf>,
@@ -141,11 +145,12 @@ impl Arguments {
             prepare_folder(folder, &[])?;
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
-        let source = RunSource::new(
+        let mut source = RunSource::new(
             Path::new(&template.name),
             &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
             &plants(bench),
         );
+        source.rig = rig.as_ref().map(|taken| taken.file.clone());
         let writer = |name: &str| {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
@@ -261,7 +266,9 @@ impl Arguments {
     fn instruments(&self, template: &Scenario, rig: Option<&TakenRig>) -> Instruments {
         let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
         let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
-        instruments(template, torque_per_duty_nm, self.torque_delay_us.unwrap_or(TORQUE_DELAY_US))
+        let delay_us = self.torque_delay_us.unwrap_or(TORQUE_DELAY_US);
+        let noise_counts = self.encoder_noise.unwrap_or_default();
+        Instruments { noise_counts, ..instruments(template, torque_per_duty_nm, delay_us) }
     }
 
     fn scenario(
@@ -319,7 +326,7 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = summary(run.scenario, run.device, run.outcome);
-    writer.finish(&summary, &run.outcome.logs).map_err(|error| RecordError(Box::new(error)))
+    writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {

@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop_bench::verdict::Exit;
-use lashloop_record::diff::{Agreement, Comparison, DiffOptions, RecordFiles, ToleranceOf, Tolerances};
+use lashloop_record::diff::{
+    Agreement, Comparison, DiffOptions, RecordFiles, ToleranceOf, Tolerances, settings,
+};
 use lashloop_report::page;
 
 use super::error::{CliError, system};
 use super::output::{outln, write_file};
+use super::report::name_among;
 use crate::bench::Bench;
 
 /// Compare two records: what was set differently, the metrics, the first and the largest differences
@@ -77,8 +80,11 @@ impl Arguments {
         let records = RecordFiles::read_both([&self.first, &self.second])?;
         let comparison = Comparison::new(&records, &options)?;
         if let Some(path) = &self.html {
-            let named = |folder: &PathBuf| page::Run::read(folder.to_string_lossy(), folder);
-            write_file(path, &page::comparison(&[named(&self.first)?, named(&self.second)?]))?;
+            let settings = settings(&records);
+            let folders = [self.first, self.second];
+            let [a, b] =
+                records.map(|files| page::Run::new(name_among(&folders, &files.record.folder), files.record));
+            write_file(path, &page::diff(&[a?, b?], &settings, &comparison, &options))?;
         }
         print(&comparison, json)
     }

@@ -5,7 +5,8 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use crate::campaign::CampaignError;
+use crate::budget::line_map::MapError;
+use crate::cluster::error::ClusterError;
 use crate::commission::MotionError;
 use crate::error::exit_of;
 use crate::flash::FlashError;
@@ -24,6 +25,7 @@ use lashloop_bench::device::DeviceError;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
+use lashloop_campaign::CampaignError;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::diff::DiffError;
@@ -52,6 +54,10 @@ pub(crate) enum CliError {
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Campaign(#[from] CampaignError),
+    #[error(transparent)]
+    Cluster(#[from] ClusterError),
+    #[error(transparent)]
+    Map(#[from] MapError),
     #[error("--jobs {jobs} needs as many drives, and {what} is one: take --jobs 1")]
     Jobs { jobs: NonZeroUsize, what: String },
     #[error(transparent)]
@@ -123,9 +129,8 @@ pub(crate) fn system<E: Into<Box<dyn Error + Send + Sync>>>(
 impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Campaign(CampaignError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
-                Exit::DeviceOrLink
-            }
+            Self::Campaign(CampaignError::Run { source, .. }) => exit_of(source),
+            Self::Campaign(CampaignError::NotRepeated { .. }) => Exit::Fail,
             Self::Run(error) => exit_of(error),
             Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::RigLock(_)
@@ -144,6 +149,8 @@ impl CliError {
             | Self::Journal(_)
             | Self::Leftovers { .. }
             | Self::Campaign(_)
+            | Self::Cluster(_)
+            | Self::Map(_)
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }

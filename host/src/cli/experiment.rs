@@ -13,7 +13,7 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_record::folder::RecordFolder;
-use lashloop_record::source::RunSource;
+use lashloop_record::source::{RunSource, command_line, working_directory};
 use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::{
     BeforeAfter, COMPARISON, Compared, Experiment, Run, comparison_figures, comparison_table, file_name, page,
@@ -96,8 +96,12 @@ impl Arguments {
     fn recorder(&self, scenario: &str, of: &str) -> Result<RecordWriter, CliError> {
         let stem = Path::new(scenario).file_stem().unwrap_or_default().to_string_lossy();
         let folder = RecordFolder::claim(&self.out.join(format!("{stem}-{of}")), self.force)?;
-        let command_line = std::env::args().collect();
-        Ok(RecordWriter::new(folder, RunSource { command_line, ..RunSource::default() }))
+        let source = RunSource {
+            command_line: command_line(),
+            working_directory: working_directory(),
+            ..RunSource::default()
+        };
+        Ok(RecordWriter::new(folder, source))
     }
 
     /// Prints the table and writes the figures, the page that shows them last.

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use lashloop_bench::verdict::Exit;
 use lashloop_record::export::{Format, Selection, export};
+use lashloop_record::file_names::EXPORT_FILES;
+use lashloop_record::folder::RecordFolder;
 use lashloop_record::reader::{Completeness, Record};
 
 use super::error::CliError;
@@ -64,12 +66,14 @@ impl Arguments {
         }
         let every = self.every as usize;
         let columns = Selection { signals: self.signals, every, from_s: from, until_s: until }.of(&record)?;
+        let [csv, parquet, mcap] = EXPORT_FILES;
         let (format, name) = match self.to {
-            To::Csv => (Format::Csv, "export.csv"),
-            To::Parquet => (Format::Parquet, "export.parquet"),
-            To::Mcap => (Format::Mcap, "export.mcap"),
+            To::Csv => (Format::Csv, csv),
+            To::Parquet => (Format::Parquet, parquet),
+            To::Mcap => (Format::Mcap, mcap),
         };
         let path = self.out.unwrap_or_else(|| self.record.join(name));
+        RecordFolder::check_output(&path)?;
         export(&columns, format, &path)?;
         outln!("{} rows of {} columns: {}", columns.len(), columns.signals().len(), path.display());
         Ok(Exit::Pass)

@@ -108,7 +108,10 @@ impl Arguments {
         })?;
         outln!("way        {}: {}", way.name(), way.meaning());
         if way == Way::Probe {
-            target.under_reset = !known_drive.disarm(device.as_ref(), baud, &supervisor)?;
+            let is_disarmed = known_drive.disarm(device.as_ref(), baud, &supervisor)?;
+            // A probe that was found may be on another board, whose motor turns: the reset stops that one.
+            let is_named = self.via == Some(Way::Probe) || target.probe.is_some();
+            target.under_reset = !(is_disarmed && is_named);
         }
         let began = Instant::now();
         writer::write(way, &image, &target, &runner)?;

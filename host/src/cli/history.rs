@@ -6,7 +6,6 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_record::columns::Columns;
-use lashloop_record::trace::{columns, row};
 use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::Run;
 
@@ -23,14 +22,13 @@ struct History<'a> {
 
 impl StepObserver for History<'_> {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        self.trace = Columns::new(columns(start.signals));
-        Ok(())
+        self.trace.begin(start)
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if step.row.time_s >= self.shown_from_s {
-            self.trace.push(row(step));
+            self.trace.step(step)?;
         }
         Ok(())
     }
@@ -56,7 +54,7 @@ pub(super) fn run_for_figure(
     observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
     let outcome = run::run(scenario, device, clock, &mut Observers(observers))?;
     if let Some(record) = record {
-        record.finish(&summary(scenario, &device.device, &outcome), &outcome.logs)?;
+        record.finish(&summary(scenario, &device.device, &outcome))?;
     }
     Ok((Run { trace: history.trace, metrics: outcome.metrics }, outcome.judgement.verdict))
 }

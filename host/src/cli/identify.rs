@@ -11,7 +11,8 @@ use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
-use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
+use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
+use lashloop_record::file_names::SCENARIO_FILE;
 use lashloop_record::reader::Record;
 
 use super::error::CliError;
@@ -46,6 +47,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     torque_delay_us: Option<u32>,
 
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this either way [default: that of
+    /// the commissioning, else none]
+    #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
+    encoder_noise: Option<f64>,
+
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the
     /// record's scenario, or the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
@@ -63,7 +69,7 @@ impl Arguments {
             .iter()
             .map(|folder| Ok((folder, Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let of_record = scenario(&records[0].1, bench);
+        let of_record = scenario(records[0].0, &records[0].1, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
         let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
         outln!(
@@ -97,7 +103,8 @@ impl Arguments {
     ) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
-            return Ok(Instruments::exact(motor_counts_per_rev, load_counts_per_rev, torque_delay_us));
+            let exact = Instruments::exact(motor_counts_per_rev, load_counts_per_rev, torque_delay_us);
+            return Ok(Instruments { noise_counts: self.encoder_noise.unwrap_or_default(), ..exact });
         }
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
@@ -111,15 +118,31 @@ impl Arguments {
             motor_counts_per_rev: self.motor_counts_per_rev.unwrap_or(known.motor_counts_per_rev),
             load_counts_per_rev: self.load_counts_per_rev.unwrap_or(known.load_counts_per_rev),
             torque_delay_us: self.torque_delay_us.unwrap_or(known.torque_delay_us),
+            noise_counts: self.encoder_noise.unwrap_or(known.noise_counts),
             ..known
         })
     }
 }
 
-/// The scenario of a record, or why there is none.
-fn scenario(record: &Record, bench: &Bench) -> Result<Scenario, String> {
-    let name = record.summary.as_ref().map(|summary| &summary.scenario).ok_or("the record has no summary")?;
-    Scenario::from_file_with(Path::new(name), &[], &plants(bench)).map_err(|error| error.to_string())
+/// Takes the noise of an encoder.
+pub(super) fn encoder_noise(text: &str) -> Result<f64, String> {
+    let counts: f64 = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    let range = 0.0..=MAX_NOISE_COUNTS;
+    range
+        .contains(&counts)
+        .then_some(counts)
+        .ok_or_else(|| format!("{counts} is outside 0 to {MAX_NOISE_COUNTS}"))
+}
+
+/// The scenario of a record as it was resolved, or why there is none. A record of an older format has the name of its file.
+fn scenario(folder: &Path, record: &Record, bench: &Bench) -> Result<Scenario, String> {
+    let resolved = folder.join(SCENARIO_FILE);
+    let file = if resolved.exists() {
+        resolved
+    } else {
+        record.summary.as_ref().map(|it| PathBuf::from(&it.scenario)).ok_or("the record has no summary")?
+    };
+    Scenario::from_file_with(&file, &[], &plants(bench)).map_err(|error| error.to_string())
 }
 
 /// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.

@@ -3,6 +3,12 @@
 
 mod battery;
 mod budget;
+mod budget_on_map;
+mod campaign;
+mod campaign_report;
+mod campaign_run;
+mod campaign_selection;
+mod campaign_submit;
 mod check;
 mod clock_options;
 mod colour;
@@ -44,6 +50,7 @@ mod show;
 mod soak;
 mod supervision;
 mod test;
+mod test_reports;
 mod watch_options;
 
 use std::process::ExitCode;
@@ -54,7 +61,7 @@ use lashloop_bench::verdict::Exit;
 use crate::bench::Bench;
 
 registry::commands! {
-    "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
+    "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Campaign(campaign), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
         Show(show), Check(check), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters),
         Ports(ports), Budget(budget);

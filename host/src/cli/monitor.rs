@@ -7,7 +7,7 @@ use lashloop_bench::run::{RunStart, Step, StepObserver};
 use lashloop_bench::scenario::expectation::Expectation;
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::timing::{ClockName, Timings};
-use lashloop_plant::metrics::{Measurement, Plan, Sample, SignalTable};
+use lashloop_plant::metrics::{Measurement, Plan, SignalTable};
 
 use super::progress::RunProgress;
 use crate::live::{Publisher, SoFar, Status};
@@ -58,18 +58,9 @@ impl Begun {
     }
 
     fn push(&mut self, step: &Step, mode: RunMode) {
-        let row = &step.row;
         self.steps += 1;
         self.timings.push(&step.timing);
-        self.measurement.push(&Sample {
-            time_s: row.time_s,
-            reference_rad: row.reference_rad,
-            load_position_rad: row.load_position_rad,
-            motor_position_rad: row.motor_position_rad,
-            torque_nm: row.torque_nm,
-            plant: if mode.is_hil() { &step.plant } else { &[] },
-            drive: step.fresh_drive(),
-        });
+        self.measurement.push(&step.measured(mode));
     }
 }
 
@@ -102,7 +93,7 @@ impl StepObserver for Monitor<'_> {
             if !self.scenario.run.mode.is_hil() {
                 measured.plant.clear();
             }
-            self.begun = Some(Begun::new(self.scenario, start.clock, &measured));
+            self.begun = Some(Begun::new(self.scenario, start.clock.name(), &measured));
         }
         Ok(())
     }

@@ -96,6 +96,8 @@ impl RigOption {
 /// A rig that this program uses alone.
 pub(super) struct TakenRig {
     pub(super) rig: Rig,
+    /// As the user named it.
+    pub(super) file: String,
     _lock: RigLock,
 }
 
@@ -104,7 +106,7 @@ impl TakenRig {
         let devices = bench.devices();
         let rig = Rig::from_file(file, &|text| DeviceChoice::parse(text, &devices))?;
         let lock = RigLock::take(&rig.port.device.to_string(), &format!("lashloop {purpose}"))?;
-        Ok(Self { rig, _lock: lock })
+        Ok(Self { rig, file: file.display().to_string(), _lock: lock })
     }
 
     /// # Errors
@@ -127,9 +129,11 @@ pub(super) struct RecordOptions {
 }
 
 impl RecordOptions {
-    /// Claims the folder; `None` without one.
-    pub(super) fn claim(&self) -> Result<Option<RecordFolder>, CliError> {
-        let claimed = self.out.as_deref().map(|path| RecordFolder::claim(path, self.force));
-        Ok(claimed.transpose()?)
+    /// Claims the folder for a run of this scenario; `None` without one.
+    pub(super) fn claim(&self, scenario: &Path) -> Result<Option<RecordFolder>, CliError> {
+        let Some(path) = &self.out else { return Ok(None) };
+        let folder = RecordFolder::claim(path, self.force)?;
+        folder.check_source(scenario)?;
+        Ok(Some(folder))
     }
 }

@@ -5,7 +5,9 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::{fs, process};
 
+use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_bench::verdict::Exit;
+use lashloop_record::folder::RecordFolder;
 
 use super::error::CliError;
 
@@ -52,6 +54,12 @@ pub(super) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
     write_bytes(path, text.as_bytes())
 }
 
+/// Writes a file, whole or not at all, in place of an older one that is not part of a record.
 pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    fs::write(path, bytes).map_err(|source| CliError::Output { path: path.to_owned(), source })
+    RecordFolder::check_output(path)?;
+    let written = write_whole_at(path, ".output-", |path| {
+        let failed = |source| WriteError { path: path.to_owned(), action: "written", source };
+        fs::write(path, bytes).map_err(failed)
+    });
+    written.map_err(|WriteError { path, source, .. }| CliError::Output { path, source })
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use crate::bench::Bench;
-use crate::campaign::law::Law;
 use clap::Args;
 use lashloop_bench::device::Device;
 use lashloop_bench::run::simulator::Simulator;
@@ -24,9 +23,9 @@ use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
 
 const SHAFT: [(&str, &str); 5] = [
-    Law::BEFORE.scenario(),
-    Law::AFTER.scenario(),
-    Law::BRAKING_CURVE.scenario(),
+    ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
+    ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
+    ("scenarios/shaft-braking-curve.toml", include_str!("../../../scenarios/shaft-braking-curve.toml")),
     ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
         "scenarios/shaft-braking-curve-sine.toml",

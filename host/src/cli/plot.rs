@@ -7,14 +7,15 @@ use crate::bench::Bench;
 use crate::decode::series::{Series, series};
 use clap::Args;
 use lashloop_bench::verdict::Exit;
+use lashloop_record::file_names::FIGURE_FILE;
 use lashloop_record::reader::Record;
 use lashloop_report::png;
 use lashloop_report::runs::{Input, Selection, figure};
 
 use super::error::CliError;
 use super::output::{outln, write_bytes};
+use super::report::name_among;
 
-const FIGURE_FILE: &str = "record.svg";
 const PNG: &str = "png";
 
 /// Plot records and captures: position, error, torque, gap, estimate, round trip, and any signal
@@ -58,7 +59,7 @@ impl Arguments {
         let inputs = self
             .records
             .iter()
-            .map(|path| Ok((self.name(path), read(path)?)))
+            .map(|path| Ok((name_among(&self.records, path), read(path)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
         let panels = self.panels.iter().map(|names| names.split(',').map(str::to_owned).collect());
         let selection =
@@ -71,14 +72,6 @@ impl Arguments {
         }
         outln!("figure: {}", path.display());
         Ok(Exit::Pass)
-    }
-
-    /// The last part of the path; the whole path where two inputs share a name.
-    fn name(&self, folder: &Path) -> String {
-        let is_alone =
-            self.records.iter().filter(|other| other.file_name() == folder.file_name()).count() == 1;
-        let name = folder.file_name().filter(|_| is_alone).unwrap_or(folder.as_os_str());
-        name.to_string_lossy().into_owned()
     }
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
-use lashloop_record::diff::{RecordFiles, Tolerance};
+use lashloop_record::diff::{Agreement, RecordFiles, Tolerance};
 
 use super::error::{CliError, system};
 use super::options::plants;
@@ -69,14 +69,14 @@ impl Arguments {
         })?;
         drop(signals);
         if self.json {
-            outln!("{}", serde_json::to_string_pretty(&result).map_err(system("write the result as JSON"))?);
+            outln!("{}", result.to_json().map_err(system("write the result as JSON"))?);
         } else {
             outln!("{result}");
         }
-        Ok(match result.end {
-            Some(DriveEnd::Interrupted) => Exit::Invalid,
-            _ if result.is_equal() => Exit::Pass,
-            _ => Exit::Fail,
+        Ok(match (&result.end, result.agreement()) {
+            (Some(DriveEnd::Interrupted), _) => Exit::Invalid,
+            (_, Agreement::Bits | Agreement::Tolerance) => Exit::Pass,
+            (_, Agreement::Different) => Exit::Fail,
         })
     }
 }

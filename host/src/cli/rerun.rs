@@ -1,18 +1,22 @@
 //! `lashloop rerun`: the scenario of a record, run again and compared with the record.
 
+use std::env;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::ops::RangeInclusive;
+use std::path::{self, Path, PathBuf};
 
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::End;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
+use lashloop_record::trace::TIME;
 use serde_json::Value;
 
 use super::diff::{JudgedOptions, print};
 use super::error::{CliError, system};
 use super::options::with_device;
+use super::output::outln;
 use super::run;
 use crate::bench::Bench;
 
@@ -71,20 +75,35 @@ impl Arguments {
         })?;
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let out = self.out.clone().unwrap_or_else(|| temporary.path().join("rerun"));
+        let out = path::absolute(out).map_err(system("find the working directory"))?;
         let words = self.words(manifest, &out).map_err(unusable)?;
+        // The device of the record names its files from there.
+        if let (None, Some(folder)) = (&self.device, manifest["working_directory"].as_str())
+            && Path::new(folder).is_dir()
+        {
+            env::set_current_dir(folder).map_err(system("change to the working directory of the run"))?;
+        }
         let matches = with_device(RunWords::command(), bench).try_get_matches_from(words);
         let parsed = matches.and_then(|matches| RunWords::from_arg_matches(&matches));
         let executed = parsed.map_err(|error| unusable(error.to_string()))?.run.execute(bench)?;
+        let part_s = part_s(&record);
+        if let Some(part_s) = part_s.as_ref().filter(|_| !self.judged.json) {
+            outln!(
+                "The record has a part of its run, from {:.6} s to {:.6} s, and this part is compared; metrics and verdict are not \
+                 judged.",
+                part_s.start(),
+                part_s.end()
+            );
+        }
+        let whole = DiffOptions::default();
         let options = DiffOptions {
             tolerances: Tolerances(self.judged.tolerance),
             only: self.judged.only,
             deterministic: true,
-            ..DiffOptions::default()
+            window_s: part_s.unwrap_or(whole.window_s),
         };
         let mut again = RecordFiles::read(&out)?;
-        if self.out.is_none() {
-            "this run".clone_into(&mut again.name);
-        }
+        again.name = self.out.map_or_else(|| "this run".to_owned(), |out| out.display().to_string());
         let exit = print(&Comparison::new(&[record, again], &options)?, self.judged.json)?;
         Ok(if executed.outcome.end == End::Interrupted { Exit::Invalid } else { exit })
     }
@@ -95,25 +114,27 @@ impl Arguments {
             let value = manifest[key].as_str();
             value.map(OsString::from).ok_or_else(|| format!("record.json has no {key}"))
         };
-        let line = manifest["command_line"].as_array().map_or(&[][..], |words| words);
-        let line: Vec<_> = line.iter().filter_map(Value::as_str).collect();
-        let mut words = vec![self.record.join("scenario.toml").into()];
+        let absolute = |path: &Path| path::absolute(path).map_err(|error| error.to_string());
+        let mut words = vec![absolute(&self.record.join("scenario.toml"))?.into()];
         match (&self.rig, &self.device) {
-            (Some(rig), _) => words.extend(["--rig".into(), rig.into()]),
+            (Some(rig), _) => words.extend(["--rig".into(), absolute(rig)?.into()]),
             (None, Some(device)) => words.extend(["--device".into(), device.to_string().into()]),
-            (None, None) if option(&line, "--rig").is_some() => {
-                return Err("the run was on a rig: give --rig RIG.toml, whose limits a run keeps".to_owned());
-            }
-            (None, None) => words.extend(["--device".into(), text("device")?]),
+            (None, None) => match manifest["rig"].as_str() {
+                Some(rig) => {
+                    return Err(format!(
+                        "the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"
+                    ));
+                }
+                None => words.extend(["--device".into(), text("device")?]),
+            },
         }
         words.extend(["--out".into(), out.into(), "--clock".into(), text("clock")?]);
-        if manifest["clock"] == "real-time" {
-            let kept = ["--spin-us", "--fifo", "--core"].into_iter();
-            for (name, value) in kept.filter_map(|name| Some((name, option(&line, name)?))) {
-                words.extend([name, value].map(OsString::from));
-            }
-            words.extend(line.contains(&"--lock-memory").then(|| "--lock-memory".into()));
+        let real_time = &manifest["real_time"];
+        for (option, key) in [("--spin-us", "spin_us"), ("--fifo", "fifo"), ("--core", "core")] {
+            let value = real_time[key].as_u64();
+            words.extend(value.into_iter().flat_map(|value| [option.into(), value.to_string().into()]));
         }
+        words.extend((real_time["lock_memory"] == true).then(|| "--lock-memory".into()));
         words.extend(self.force.then(|| "--force".into()));
         for setting in &self.set {
             words.extend(["--set".into(), setting.into()]);
@@ -122,10 +143,12 @@ impl Arguments {
     }
 }
 
-/// The value of an option in a command line, as `--name value` or `--name=value`.
-fn option<'a>(line: &[&'a str], name: &str) -> Option<&'a str> {
-    line.iter().enumerate().find_map(|(at, word)| match word.strip_prefix(name)? {
-        "" => line.get(at + 1).copied(),
-        rest => rest.strip_prefix('='),
-    })
+/// The time that a record has, if it has a part of its run only, as the records of a soak do. The end of an interrupted run
+/// is none that the user has chosen.
+fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
+    let times_s = files.record.trace.columns.get(TIME)?;
+    let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
+    let steps = files.summary.as_ref().and_then(|summary| summary["steps"].as_u64());
+    let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
+    is_part.then_some(first_s..=last_s)
 }

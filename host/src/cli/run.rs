@@ -14,18 +14,18 @@ use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver, check_be
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
-use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_bench::verdict::Exit;
 use lashloop_record::summary::{Summary, Telemetry, Versions};
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
-use super::output::{error_line, outln};
+use super::output::error_line;
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
 use super::{run_junit, run_report};
-use crate::identify::gate::{self, Departure, Intervals, RecordedMotion};
+use crate::identify::gate::{self, Intervals, RecordedMotion};
 use crate::rig::check::check_board;
 use crate::suite::case_result::CaseResult;
 
@@ -94,20 +94,20 @@ impl Arguments {
 
     fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
         let page = self.record.out.clone().filter(|_| self.report);
-        let Executed { scenario, summary, outcome, departure } = self.execute(bench)?;
-        if let Some(folder) = page {
-            super::report::write(&folder)?;
-        }
-        if let Some(departure) = departure {
-            outln!("GATE   {departure}");
-        }
+        let Executed { scenario, summary, outcome } = self.execute(bench)?;
         run_report::print(&scenario, &summary, &outcome);
+        // The run has its verdict, with or without its page.
+        if let Some(folder) = page
+            && let Err(error) = super::report::write(&folder)
+        {
+            error_line(format_args!("lashloop: warning: no page of the run: {error}"));
+        }
         Ok(summary.verdict.into())
     }
 
     /// Makes the run and writes its record. Prints warnings only.
     pub(super) fn execute(self, bench: &Bench) -> Result<Executed, CliError> {
-        let (mut scenario, source) = {
+        let (mut scenario, mut source) = {
             let law = self.controller.map(Override::Controller);
             self.scenario.read_with_source(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
         };
@@ -119,6 +119,7 @@ impl Arguments {
         let rig = self.rig.take(bench, &format!("run {}", scenario.name))?;
         let choice = match &rig {
             Some(taken) => {
+                source.rig = Some(taken.file.clone());
                 taken.rig.allows(&scenario)?;
                 taken.check_present()?;
                 scenario.link.baud = taken.rig.port.baud;
@@ -127,7 +128,7 @@ impl Arguments {
             None => &self.device,
         };
         let mut gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
-        let folder = self.record.claim()?;
+        let folder = self.record.claim(Path::new(&scenario.name))?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
         let watch = self.watch.start()?;
@@ -163,29 +164,31 @@ impl Arguments {
         if let Some(warning) = reconnected.flatten() {
             error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
         }
-        let departure =
-            gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose()?.flatten();
-        if departure.is_some() {
-            outcome.judgement.cap(Some(Verdict::Invalid));
+        let departure = gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose();
+        match &departure {
+            Ok(None | Some(None)) => {}
+            Ok(Some(Some(departure))) => outcome.judgement.close_gate(departure.to_string()),
+            // A gate that can't be computed is no gate that was passed.
+            Err(error) => outcome.judgement.close_gate(error.to_string()),
         }
         let summary = summary(&scenario, &device.device, &outcome);
         // Closes the link, and with it the sending end of the capture.
         drop(device);
-        if let Some(capture) = capture {
-            capture.finish()?;
-        }
+        let captured = capture.map_or(Ok(0), |capture| capture.finish());
+        // Before any other error: the run is complete, and so is its record.
         if let Some(record) = record {
-            record.finish(&summary, &outcome.logs)?;
+            record.finish(&summary)?;
         }
+        captured?;
+        departure?;
         watch.finish(&outcome, self.record.out.as_deref());
         if let Some(path) = &self.junit {
-            let mut result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
-            result.reasons.extend(departure.iter().map(ToString::to_string));
+            let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
             run_junit::write(path, &result)?;
         }
         // A signal before this point would truncate the record.
         drop(signals);
-        Ok(Executed { scenario, summary, outcome, departure })
+        Ok(Executed { scenario, summary, outcome })
     }
 }
 
@@ -194,7 +197,6 @@ pub(super) struct Executed {
     scenario: Scenario,
     summary: Summary,
     pub(super) outcome: Outcome,
-    departure: Option<Departure>,
 }
 
 /// What the gate compares after the run.
@@ -227,6 +229,8 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         end: outcome.end.to_string(),
         broken_rule: outcome.end.broken_rule(),
         breaches: outcome.judgement.breaches.clone(),
+        gate: outcome.judgement.gate.clone(),
+        reasons: outcome.reasons(),
         steps: outcome.steps,
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,

@@ -67,6 +67,9 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     for breach in &outcome.judgement.breaches {
         outln!("BROKEN {breach}");
     }
+    if let Some(reason) = &outcome.judgement.gate {
+        outln!("GATE   {reason}");
+    }
     if outcome.end != End::Complete {
         outln!("ENDED  {}", outcome.end);
     }

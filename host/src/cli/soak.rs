@@ -1,6 +1,7 @@
 //! `lashloop soak`: one scenario repeated under rising faults.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -14,7 +15,7 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Clock, Observers, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, Outcome, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -30,15 +31,12 @@ use super::output::{self, outln};
 use super::run::summary;
 use super::supervision::start_supervisor;
 
-/// Time without a step after which a run counts as hung.
-const HANG_LIMIT: Duration = Duration::from_secs(60);
-
 /// Repeat a scenario while faults of line and encoders rise
 ///
 /// Runs cycle through six levels, from no fault to 1 % of frames damaged. Faults follow from the scenario's seed and the
 /// number of the run. Each run opens the drive again. Answer timeout: 100 ms; longest silence: 10 s. Growth limits: 8 MiB
 /// and 4 descriptors for the bench after its first cycle, 8 MiB and 2 descriptors for the drive's process within a run.
-/// Exit code 1 if a run hangs (no step in 60 s), fails or exceeds a growth limit, if its verdict contradicts its counters,
+/// Exit code 1 if a run hangs (no step in --hang-limit), fails or exceeds a growth limit, if its verdict contradicts its counters,
 /// or if a damaged frame is not counted.
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -63,6 +61,10 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long, requires = "out")]
     force: bool,
+
+    /// Time without a step after which a run counts as hung and ends the soak, in s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_s)]
+    hang_limit: f64,
 }
 
 impl Arguments {
@@ -70,11 +72,13 @@ impl Arguments {
         let (scenario, source) = self.scenario.read_with_source(None, bench)?;
         if let Some(folder) = &self.out {
             RecordFolder::check_inside(folder, self.force)?;
+            remove_records(folder)?;
         }
         let supervisor = start_supervisor()?;
         let _signals = supervisor.guard_signals();
         let shared = Arc::new(Shared::default());
-        watch_for_hangs(Arc::clone(&shared));
+        let out = self.out.clone();
+        watch_for_hangs(Arc::clone(&shared), Duration::from_secs_f64(self.hang_limit), out);
         let started = Instant::now();
         while started.elapsed() < self.lasts && !supervisor.interrupted() {
             let number = shared.tally().runs;
@@ -87,8 +91,10 @@ impl Arguments {
                 step: 0,
             };
             let begun = Instant::now();
-            let window = self.out.as_ref().map(|_| WindowRecorder::new(self.keep_around, source.clone()));
-            let (result, window) = one_run(&plan, &self.drive.device, &supervisor, &mut watcher, window);
+            *shared.window() =
+                self.out.as_ref().map(|_| WindowRecorder::new(self.keep_around, source.clone()));
+            let (result, summary) = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
+            let window = shared.window().take();
             let drive = watcher.growth;
             let bench = resource_usage::read(None).map_err(system("read /proc"))?;
             let mut tally = shared.tally();
@@ -107,13 +113,8 @@ impl Arguments {
             for problem in &tally.problems[before..] {
                 outln!("WRONG {problem}");
             }
-            if let (Some(Window { steps, summary }), Some(folder), true) =
-                (window, &self.out, tally.problems.len() > before)
-            {
-                let folder = RecordFolder::claim(&folder.join(format!("run-{number}")), self.force)?;
-                let logs = result.as_ref().map_or(&[][..], |outcome| &outcome.logs);
-                steps.write(&folder, summary.as_ref().map(|summary| (summary, logs)))?;
-                outln!("record {}", folder.path().display());
+            if let (Some(window), Some(folder), true) = (window, &self.out, tally.problems.len() > before) {
+                write_record(window, folder, number, summary.as_ref())?;
             }
         }
         let tally = shared.tally();
@@ -123,11 +124,31 @@ impl Arguments {
     }
 }
 
-/// The steps of a run that a record of it would have.
-struct Window {
-    steps: WindowRecorder,
-    /// `None` of a run without a verdict.
-    summary: Option<Summary>,
+const RUN_FOLDER: &str = "run-";
+
+/// Removes the records of an earlier soak: among those of this one they would be wrong.
+fn remove_records(folder: &Path) -> Result<(), CliError> {
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let number = name.to_str().and_then(|name| name.strip_prefix(RUN_FOLDER));
+        if number.is_some_and(|number| number.parse::<u64>().is_ok()) && entry.path().is_dir() {
+            RecordFolder::claim(&entry.path(), true)?.remove()?;
+        }
+    }
+    Ok(())
+}
+
+fn write_record(
+    window: WindowRecorder,
+    folder: &Path,
+    number: u64,
+    end: Option<&Summary>,
+) -> Result<(), CliError> {
+    let folder = RecordFolder::claim(&folder.join(format!("{RUN_FOLDER}{number}")), false)?;
+    window.write(&folder, end)?;
+    outln!("record {}", folder.path().display());
+    Ok(())
 }
 
 fn one_run(
@@ -135,19 +156,16 @@ fn one_run(
     choice: &DeviceChoice,
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
-    mut window: Option<WindowRecorder>,
-) -> (Result<Outcome, RunError>, Option<Window>) {
+) -> (Result<Outcome, RunError>, Option<Summary>) {
     let opened = DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, supervisor, |link| link);
     let mut device = match opened {
         Ok(device) => device,
         Err(error) => return (Err(error.into()), None),
     };
     watcher.process = device.device.connection.host.process().map(|process| process.id);
-    let mut observers: Vec<&mut dyn StepObserver> = vec![watcher];
-    observers.extend(window.as_mut().map(|it| it as &mut dyn StepObserver));
-    let result = run::run(scenario, &mut device, Clock::Lockstep, &mut Observers(observers));
+    let result = run::run(scenario, &mut device, Clock::Lockstep, watcher);
     let summary = result.as_ref().ok().map(|outcome| summary(scenario, &device.device, outcome));
-    (result, window.map(|steps| Window { steps, summary }))
+    (result, summary)
 }
 
 fn line_of(result: &Result<Outcome, RunError>) -> String {
@@ -168,6 +186,8 @@ struct Shared {
     /// Incremented with every step and every run.
     beats: AtomicU64,
     tally: Mutex<Tally>,
+    /// The steps of the run that a record of it would have. A hung run can't write them itself.
+    window: Mutex<Option<WindowRecorder>>,
 }
 
 impl Shared {
@@ -175,10 +195,14 @@ impl Shared {
         self.beats.fetch_add(1, Ordering::Relaxed);
         self.tally.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    fn window(&self) -> MutexGuard<'_, Option<WindowRecorder>> {
+        self.window.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Ends the program when no step is made. A hung run can't end itself.
-fn watch_for_hangs(shared: Arc<Shared>) {
+fn watch_for_hangs(shared: Arc<Shared>, limit: Duration, out: Option<PathBuf>) {
     thread::spawn(move || {
         let mut last = (0, Instant::now());
         loop {
@@ -186,10 +210,15 @@ fn watch_for_hangs(shared: Arc<Shared>) {
             let beats = shared.beats.load(Ordering::Relaxed);
             if beats != last.0 {
                 last = (beats, Instant::now());
-            } else if last.1.elapsed() > HANG_LIMIT {
+            } else if last.1.elapsed() > limit {
                 let tally = shared.tally();
+                if let (Some(window), Some(folder)) = (shared.window().take(), &out)
+                    && let Err(error) = write_record(window, folder, tally.runs, None)
+                {
+                    output::error_line(format_args!("lashloop: {error}"));
+                }
                 output::line(format_args!("\n{tally}"));
-                let limit_s = HANG_LIMIT.as_secs();
+                let limit_s = limit.as_secs_f64();
                 output::error_line(format_args!(
                     "lashloop: run {} hangs: no step in {limit_s} s",
                     tally.runs
@@ -212,8 +241,13 @@ struct SoakWatcher<'a> {
 const STRIDE: u32 = 500;
 
 impl StepObserver for SoakWatcher<'_> {
-    fn step(&mut self, _: &Step) -> Result<(), WriteError> {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.shared.window().as_mut().map_or(Ok(()), |window| window.begin(start))
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.shared.beats.fetch_add(1, Ordering::Relaxed);
+        self.shared.window().as_mut().map_or(Ok(()), |window| window.step(step))?;
         self.step += 1;
         if self.step.is_multiple_of(STRIDE)
             && let Some(process) = self.process

@@ -9,32 +9,30 @@ use std::time::Instant;
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::resume::ResumeError;
 use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::Override;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
-use lashloop_report::page;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::options::plants;
-use super::output::{error_line, outln, prepare_folder, write_file};
+use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
-use super::run;
 use super::supervision::start_supervisor;
+use super::{run, test_reports};
 use crate::bench::Bench;
-use crate::journal::{Journal, program_sha256};
+use crate::journal::{Journal, JournalError, program_sha256};
 use crate::suite::baseline::{Baseline, path_of};
 use crate::suite::case_result::Status;
 use crate::suite::files::find;
 use crate::suite::header::Header;
-use crate::suite::index::{self, ReportError};
-use crate::suite::junit::{self, Row};
 use crate::suite::plan::{self, Common};
 use crate::suite::runner::Runner;
 use crate::suite::table::{Table, line, name_width};
-use crate::suite::tally::Tally;
-use crate::workers::{self, Ended};
+use crate::suite::tally::{Conclusion, Tally};
+use crate::workers;
 
 /// Run every scenario of files and folders, sweeps included, and print one table
 ///
@@ -70,7 +68,7 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out")]
     keep_passes: bool,
 
-    /// Complete the suite in --out; cases with a result are not run again unless their scenario has changed
+    /// Complete the suite in --out; a case with a verdict is not run again unless its scenario has changed
     #[arg(long, requires = "out", conflicts_with = "force")]
     resume: bool,
 
@@ -87,7 +85,7 @@ pub(crate) struct Arguments {
     html: Option<PathBuf>,
 
     /// Write the metrics of each case that passes to its baseline, in place of comparing them
-    #[arg(long)]
+    #[arg(long, conflicts_with = "set")]
     update: bool,
 }
 
@@ -96,19 +94,34 @@ const RECORDS: &str = "records";
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let ended = self.run_suite(bench);
+        if let (Some(path), Err(error)) = (&self.junit, &ended) {
+            test_reports::write_error(path, error)?;
+        }
+        ended
+    }
+
+    fn run_suite(&self, bench: &Bench) -> Result<Exit, CliError> {
         let started = Instant::now();
         let clock = self.clock.clock()?;
         let jobs = self.jobs(clock)?;
         let overrides: Vec<_> = self.set.iter().cloned().map(Override::Set).collect();
         let plants = plants(bench);
         let files = find(&self.paths)?;
-        let common =
-            Common { device: &self.device, clock: clock.name(), overrides: &overrides, plants: &plants };
-        let mut tally = Tally::new(plan::cases(&files, &common));
+        let common = Common {
+            device: &self.device,
+            clock: clock.name(),
+            overrides: &overrides,
+            plants: &plants,
+            compares: !self.update,
+        };
+        let cases = plan::cases(&files, &common);
+        let mut tally = Tally::new(&cases);
         let mut journal = match &self.out {
             Some(folder) => Some(self.open_journal(folder, clock.name(), &mut tally)?),
             None => None,
         };
+        test_reports::remove([&self.html, &self.junit].into_iter().flatten())?;
         let supervisor = start_supervisor()?;
         let records = self.out.as_ref().map(|folder| folder.join(RECORDS));
         let runner = Runner {
@@ -117,11 +130,10 @@ impl Arguments {
             records: records.as_deref(),
             keeps_passes: self.keep_passes,
             summary: run::summary,
-            compares: !self.update,
             overrides: &overrides,
             plants: &plants,
         };
-        let (missing, total) = (tally.missing(), tally.cases.len());
+        let (missing, total) = (tally.missing(), cases.len());
         let progress = Progress::over(format!("{total} cases"), total as u64);
         progress.show(tally.done() as u64);
         let (is_terminal, width) = (io::stderr().is_terminal(), name_width(&tally));
@@ -135,35 +147,34 @@ impl Arguments {
                 if let Some(journal) = &mut journal {
                     journal.append(&result)?;
                 }
-                if !is_terminal {
-                    let number = tally.done() + 1;
-                    error_line(format_args!("{number:>4}/{total} {}", line(&result, width)));
+                let number = tally.done() + 1;
+                if let Some(result) = tally.add(result).filter(|_| !is_terminal) {
+                    error_line(format_args!("{number:>4}/{total} {}", line(result, width)));
                 }
-                tally.add(result);
-                progress.show(tally.done() as u64);
+                progress.show(number as u64);
                 Ok::<_, CliError>(())
             },
         );
         drop(signals);
         drop(progress);
-        let is_interrupted = ended? == Ended::Interrupted;
         let wall_s = started.elapsed().as_secs_f64();
         outln!("{}", Table { tally: &tally, wall_s });
+        ended?;
         if let Some(path) = &self.html {
-            write_page(path, &tally, wall_s)?;
+            test_reports::write_page(path, &tally, wall_s)?;
         }
         if let Some(path) = &self.junit {
-            write_junit(path, &tally, is_interrupted)?;
+            test_reports::write_junit(path, &tally)?;
         }
-        if is_interrupted {
-            let hint = if self.out.is_some() { "--resume completes it" } else { "--out keeps results" };
-            outln!("interrupted; {hint}");
-            return Ok(Exit::Invalid);
+        match tally.conclusion() {
+            Conclusion::Incomplete => {
+                let hint = if self.out.is_some() { "--resume completes it" } else { "--out keeps results" };
+                outln!("interrupted; {hint}");
+            }
+            Conclusion::Judged(_) | Conclusion::NothingRun if self.update => update_baselines(&tally)?,
+            Conclusion::Judged(_) | Conclusion::NothingRun => {}
         }
-        if self.update {
-            update_baselines(&tally)?;
-        }
-        Ok(tally.exit())
+        Ok(tally.conclusion().exit())
     }
 
     fn jobs(&self, clock: Clock) -> Result<NonZeroUsize, CliError> {
@@ -182,19 +193,14 @@ impl Arguments {
         }
     }
 
-    fn open_journal(&self, folder: &Path, clock: ClockName, tally: &mut Tally) -> Result<Journal, CliError> {
-        let failed = |source| CliError::Output { path: folder.to_owned(), source };
+    /// Opens the journal, with its lock: only then may results of an earlier suite be removed.
+    fn open_journal(
+        &self,
+        folder: &Path,
+        clock: ClockName,
+        tally: &mut Tally<'_>,
+    ) -> Result<Journal, CliError> {
         let path = folder.join(JOURNAL);
-        if path.exists() && !self.resume {
-            if !self.force {
-                return Err(CliError::Leftovers { folder: folder.to_owned() });
-            }
-            fs::remove_file(&path).map_err(failed)?;
-            match fs::remove_dir_all(folder.join(RECORDS)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-                _ => {}
-            }
-        }
         prepare_folder(folder, &[])?;
         let header = Header {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
@@ -202,38 +208,32 @@ impl Arguments {
             device: self.device.to_string(),
             clock: clock.to_string(),
         };
-        Ok(Journal::resume(&path, &header, |result| {
-            tally.restore(result);
-            Ok(())
-        })?)
+        if self.resume {
+            return Ok(Journal::resume(&path, &header, |result| {
+                tally.restore(result);
+                Ok(())
+            })?);
+        }
+        if self.force {
+            let journal = Journal::replace(&path, &header)?;
+            return match fs::remove_dir_all(folder.join(RECORDS)) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    Err(CliError::Output { path: folder.to_owned(), source })
+                }
+                _ => Ok(journal),
+            };
+        }
+        Journal::create(&path, &header).map_err(|error| match error {
+            JournalError::Resume(ResumeError::Exists { .. }) => {
+                CliError::Leftovers { folder: folder.to_owned() }
+            }
+            other => other.into(),
+        })
     }
 }
 
-fn write_junit(path: &Path, tally: &Tally, is_interrupted: bool) -> Result<(), CliError> {
-    let row = |(case, result): (&plan::Case, _)| {
-        let plan::Case { file, settings, .. } = case;
-        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let case = if settings.is_empty() { stem } else { settings.join(", ") };
-        Row { file: file.display().to_string(), case, result }
-    };
-    let rows: Vec<_> = tally.rows().map(row).collect();
-    let ended_by = is_interrupted
-        .then(|| format!("interrupted; {} of {} cases have a result", tally.done(), tally.cases.len()));
-    let xml = junit::report("lashloop test", &rows, ended_by.as_deref());
-    let written = xml.map_err(io::Error::other).and_then(|xml| fs::write(path, xml));
-    written.map_err(|source| CliError::Report { path: path.to_owned(), source })
-}
-
-/// Writes the index page, and a report of each record.
-fn write_page(path: &Path, tally: &Tally, wall_s: f64) -> Result<(), CliError> {
-    index::write_reports(tally).map_err(|ReportError { path, source }| CliError::Output { path, source })?;
-    let words: Vec<_> = std::env::args().collect();
-    let command = shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default();
-    write_file(path, &page::suite(&index::suite(tally, path, command, wall_s)))
-}
-
 /// Writes the metrics of each case that has passed to the baseline of its file.
-fn update_baselines(tally: &Tally) -> Result<(), CliError> {
+fn update_baselines(tally: &Tally<'_>) -> Result<(), CliError> {
     let rows: Vec<_> = tally.rows().collect();
     for group in rows.chunk_by(|(one, _), (next, _)| one.file == next.file) {
         let path = path_of(&group[0].0.file);
@@ -241,7 +241,9 @@ fn update_baselines(tally: &Tally) -> Result<(), CliError> {
         let mut baseline = Baseline::read(&path)?.unwrap_or_default();
         let mut count = 0;
         for (case, result) in passed {
-            baseline.update(&case.settings, &result.metrics);
+            for metric in baseline.update(&case.settings, &result.metrics) {
+                outln!("{}: {metric} has no value; its entry stays", case.name);
+            }
             count += 1;
         }
         if count > 0 {

@@ -44,7 +44,7 @@ pub(super) struct Watch {
 }
 
 impl WatchOptions {
-    /// Starts the server of the page, if there is one, and prints its URL.
+    /// Starts the server of the page, if there is one, and prints its URLs.
     pub(super) fn start(&self) -> Result<Watch, CliError> {
         let token = match &self.live_token {
             None => None,
@@ -52,8 +52,8 @@ impl WatchOptions {
             Some(None) => Some(Token::random().map_err(LiveError::from)?),
         };
         let live = self.live.map(|address| Live::start(address, token)).transpose()?;
-        if let Some(live) = &live {
-            outln!("live        {}", live.url());
+        for url in live.iter().flat_map(Live::urls) {
+            outln!("live        {url}");
         }
         Ok(Watch { live, wait: Duration::from_secs(self.live_wait.into()), quiet: self.quiet })
     }

@@ -13,7 +13,6 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
 use lashloop_record::columns::Columns;
-use lashloop_record::trace::{columns, row};
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
@@ -154,12 +153,11 @@ struct Watch<'a> {
 
 impl StepObserver for Watch<'_> {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        self.columns = Columns::new(columns(start.signals));
-        Ok(())
+        self.columns.begin(start)
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.columns.push(row(step));
+        self.columns.step(step)?;
         if self.halt.is_none() {
             let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
             let motor = counts(step.row.motor_position_rad, motor_counts_per_rev);

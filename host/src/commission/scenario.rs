@@ -9,6 +9,8 @@ use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
 use lashloop_bench::scenario::{Origin, RunMode, Scenario};
 use lashloop_identify::excitation::Limits;
 
+use crate::rig::file::pin_default;
+
 /// The law that commands the reference as a torque.
 pub const LAW: &str = "open-loop";
 
@@ -36,8 +38,6 @@ pub fn settings(limits: &Limits) -> Vec<String> {
 
 /// Parameter of a drive in bench mode: the change of the twist beyond which an encoder counts as lost.
 const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
-/// Its default. It bounds the first motions, in which nothing is known but that the load hardly moves.
-const TWIST_LIMIT_DEFAULT_RAD: f64 = 10.0;
 
 /// Raises the limit of the twist to what a motion explains.
 pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
@@ -46,7 +46,8 @@ pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
     let given = parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value);
     let given_rad = match given {
         Some(ParameterValue::Number(limit_rad)) => *limit_rad,
-        _ => TWIST_LIMIT_DEFAULT_RAD,
+        // It bounds the first motions, in which nothing is known but that the load hardly moves.
+        _ => pin_default(TWIST_LIMIT_RAD),
     };
     parameters.retain(|it| it.name != TWIST_LIMIT_RAD);
     parameters.push(ParameterSetting {

@@ -35,11 +35,17 @@ pub enum AccessError {
 /// The text is none of these.
 pub fn address(text: &str) -> Result<SocketAddr, AccessError> {
     let loopback = IpAddr::from(Ipv4Addr::LOCALHOST);
-    let text = text.strip_prefix("localhost").map_or(text.to_owned(), |rest| format!("{loopback}{rest}"));
+    let (name, port) = text.rsplit_once(':').map_or((text, None), |(name, port)| (name, Some(port)));
+    if name == "localhost" {
+        let port = port.map_or(Ok(0), str::parse::<u16>);
+        return port
+            .map(|port| SocketAddr::new(loopback, port))
+            .map_err(|_| AccessError::Address(text.to_owned()));
+    }
     let socket = text.parse::<SocketAddr>().ok();
     let host = || text.parse::<IpAddr>().ok().map(|ip| SocketAddr::new(ip, 0));
     let port = || text.parse::<u16>().ok().map(|port| SocketAddr::new(loopback, port));
-    socket.or_else(host).or_else(port).ok_or_else(|| AccessError::Address(text.clone()))
+    socket.or_else(host).or_else(port).ok_or_else(|| AccessError::Address(text.to_owned()))
 }
 
 /// The secret of one run.
@@ -158,7 +164,11 @@ mod tests {
         assert_eq!(shown("0.0.0.0"), Ok("0.0.0.0:0".to_owned()));
         assert_eq!(shown("[::1]:80"), Ok("[::1]:80".to_owned()));
         assert_eq!(shown("localhost:81"), Ok("127.0.0.1:81".to_owned()));
-        assert!(matches!(shown("scenario.toml"), Err(AccessError::Address(_))));
+        assert_eq!(shown("localhost"), Ok("127.0.0.1:0".to_owned()));
+        // `localhost0` was 127.0.0.10.
+        for text in ["scenario.toml", "localhost0", "localhost.5:80", "localhost:", "localhost:80:1", ""] {
+            assert_eq!(shown(text), Err(AccessError::Address(text.to_owned())));
+        }
     }
 
     #[test]

@@ -47,6 +47,8 @@ struct Description<'a> {
     controller: &'a str,
     clock: ClockName,
     duration_s: f64,
+    /// Buckets that each history keeps at most.
+    histories: Vec<u32>,
     columns: &'a [Column],
     panels: Vec<Panel>,
 }
@@ -73,8 +75,9 @@ impl Publisher {
             scenario: &scenario.name,
             device: &device.description(),
             controller: &scenario.controller.name,
-            clock,
+            clock: clock.name(),
             duration_s: scenario.run.duration_s,
+            histories: widths.iter().map(|(_, kept)| *kept).collect(),
             columns: &columns,
             panels: panels(&columns),
         };

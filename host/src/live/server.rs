@@ -1,7 +1,7 @@
 //! The server of one run, on a thread of its own.
 
 use std::io;
-use std::net::{SocketAddr, TcpListener};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -17,6 +17,7 @@ use axum::http::{HeaderName, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use lashloop_report::page::assets;
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::oneshot;
 
 use super::access::{Access, AccessError, Denied, Token};
@@ -27,6 +28,10 @@ use super::status::Ending;
 
 /// Time for the readers to take the end of a run.
 const FAREWELL: Duration = Duration::from_secs(1);
+/// What the system keeps for a reader that takes nothing: a few messages. A larger buffer would show it old samples.
+const SEND_BUFFER_BYTES: u32 = 64 << 10;
+/// Connections that may wait to be accepted.
+const BACKLOG: u32 = 128;
 /// Time between two looks for a first reader.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -49,7 +54,8 @@ pub enum LiveError {
 /// The page of a run: its server, which ends with this value.
 pub struct Live {
     feed: Arc<Feed>,
-    url: String,
+    address: SocketAddr,
+    urls: Vec<String>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -63,23 +69,31 @@ impl Live {
         let bind = |source| LiveError::Bind { address, source };
         let query = token.as_ref().map_or(String::new(), |token| format!("?token={}", token.text()));
         let access = Access::new(address, token)?;
-        let listener = TcpListener::bind(address).map_err(bind)?;
-        listener.set_nonblocking(true).map_err(bind)?;
-        let bound = listener.local_addr().map_err(bind)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(bind)?;
+        let listener = {
+            let _runtime = runtime.enter();
+            listen(address).map_err(bind)?
+        };
+        let bound = listener.local_addr().map_err(bind)?;
         let feed = Arc::new(Feed::new());
         let (stop, stopped) = oneshot::channel();
         let site = Arc::new(Site { access, feed: Arc::clone(&feed) });
         let work = move || runtime.block_on(serve(listener, site, stopped));
         let thread = std::thread::Builder::new().name("live".to_owned()).spawn(work).map_err(bind)?;
-        let url = format!("http://{bound}/{query}");
-        Ok(Self { feed, url, stop: Some(stop), thread: Some(thread) })
+        let urls = reachable(bound).map(|address| format!("http://{address}/{query}")).collect();
+        Ok(Self { feed, address: bound, urls, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// The URL of the page, with the token.
+    /// The address with its port.
     #[must_use]
-    pub fn url(&self) -> &str {
-        &self.url
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The URLs of the page, with the token: of a server on all addresses that of the network first.
+    #[must_use]
+    pub fn urls(&self) -> &[String] {
+        &self.urls
     }
 
     /// What the run publishes with.
@@ -123,6 +137,40 @@ impl Drop for Live {
     }
 }
 
+fn listen(address: SocketAddr) -> io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+    // A port of a run that has just ended is free.
+    socket.set_reuseaddr(true)?;
+    socket.set_send_buffer_size(SEND_BUFFER_BYTES)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
+}
+
+/// Addresses that a browser can open; 0.0.0.0 and [::] are none.
+fn reachable(bound: SocketAddr) -> impl Iterator<Item = SocketAddr> {
+    let ips = match bound.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => [own_address(ip.into()), Some(Ipv4Addr::LOCALHOST.into())],
+        IpAddr::V6(ip) if ip.is_unspecified() => {
+            let network = own_address(ip.into()).or_else(|| own_address(Ipv4Addr::UNSPECIFIED.into()));
+            [network, Some(Ipv6Addr::LOCALHOST.into())]
+        }
+        ip => [Some(ip), None],
+    };
+    ips.into_iter().flatten().map(move |ip| SocketAddr::new(ip, bound.port()))
+}
+
+/// The address of this machine on the way to others; `None` without a route. `any` chooses the family.
+fn own_address(any: IpAddr) -> Option<IpAddr> {
+    // An address of documentation. Connecting a datagram socket chooses the route and sends nothing.
+    let elsewhere = match any {
+        IpAddr::V4(_) => IpAddr::from(Ipv4Addr::new(192, 0, 2, 1)),
+        IpAddr::V6(_) => IpAddr::from(Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1)),
+    };
+    let socket = UdpSocket::bind((any, 0)).ok()?;
+    socket.connect((elsewhere, 9)).ok()?;
+    Some(socket.local_addr().ok()?.ip())
+}
+
 /// What every request needs.
 struct Site {
     access: Access,
@@ -130,8 +178,6 @@ struct Site {
 }
 
 async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receiver<()>) {
-    // A listener that is bound and not blocking fails only without a runtime.
-    let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
     let mut readers = site.feed.readers();
     let router = Router::new()
         .route("/", get(page))
@@ -203,5 +249,21 @@ impl FromRequestParts<Arc<Site>> for Authorised {
     async fn from_request_parts(parts: &mut Parts, site: &Arc<Site>) -> Result<Self, Denied> {
         Permitted::from_request_parts(parts, site).await?;
         site.access.check_token(parts.uri.query()).map(|()| Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn urls_of_all_addresses_name_one_that_a_browser_can_open() {
+        for (any, loopback) in [("0.0.0.0:80", "127.0.0.1:80"), ("[::]:80", "[::1]:80")] {
+            let addresses: Vec<_> = reachable(any.parse().expect("an address")).collect();
+            assert!(addresses.iter().all(|it| !it.ip().is_unspecified() && it.port() == 80), "{addresses:?}");
+            assert_eq!(addresses.last().map(ToString::to_string).as_deref(), Some(loopback));
+        }
+        let one = "192.0.2.7:81".parse().expect("an address");
+        assert_eq!(reachable(one).collect::<Vec<_>>(), [one]);
     }
 }

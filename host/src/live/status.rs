@@ -96,16 +96,57 @@ impl Ending {
     #[must_use]
     pub fn new(outcome: &lashloop_bench::run::Outcome, record: Option<&std::path::Path>) -> Self {
         let judgement = &outcome.judgement;
-        let breaches = judgement.breaches.iter().map(ToString::to_string);
-        let missed = judgement.expectations.iter().filter(|it| !it.ok);
         let standing = |ok| if ok { Standing::Met } else { Standing::Missed };
         Self {
             kind: "end",
             end: outcome.end.to_string(),
             verdict: judgement.verdict,
             expectations: judgement.expectations.iter().map(|it| Line::new(it, standing(it.ok))).collect(),
-            reasons: breaches.chain(missed.map(ToString::to_string)).collect(),
+            reasons: outcome.reasons(),
             record: record.map(|folder| folder.display().to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lashloop_bench::run::{End, Outcome};
+    use lashloop_bench::timing::{ClockName, Timings};
+    use lashloop_bench::verdict::{Breach, Judgement, LinkCounts};
+    use lashloop_plant::metrics::{Measurement, SignalTable};
+
+    use super::*;
+
+    fn outcome(verdict: Verdict, end: End, breaches: Vec<Breach>) -> Outcome {
+        Outcome {
+            judgement: Judgement { verdict, expectations: Vec::new(), breaches, gate: None },
+            end,
+            metrics: Measurement::new(1e-3, &SignalTable::default()).metrics(),
+            link: LinkCounts::default(),
+            timing: Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new()),
+            faults: Vec::new(),
+            steps: 1,
+            simulated_s: 1e-3,
+            wall_s: 1e-3,
+            torque_sha256: String::new(),
+            logs: Vec::new(),
+            signals: SignalTable::default(),
+        }
+    }
+
+    #[test]
+    fn page_has_every_reason_of_the_verdict() {
+        let breach = Breach { what: "late", counted: Some(3), allowed: 0 };
+        let mut closed = outcome(Verdict::Pass, End::Interrupted, vec![breach]);
+        closed.judgement.close_gate("the model is of another plant".to_owned());
+        let ending = Ending::new(&closed, None);
+        assert_eq!(ending.verdict, Verdict::Invalid, "a closed gate leaves no verdict on the drive");
+        let reasons =
+            ["interrupted by the user", "the model is of another plant", "late: 3 counted, allow.late is 0"];
+        assert_eq!(ending.reasons, reasons);
+        let not_finite = outcome(Verdict::Fail, End::Complete, Vec::new());
+        assert_eq!(Ending::new(&not_finite, None).reasons, ["a value of the run is not finite"]);
+        let passed = outcome(Verdict::Pass, End::Complete, Vec::new());
+        assert!(Ending::new(&passed, None).reasons.is_empty());
     }
 }

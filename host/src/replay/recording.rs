@@ -22,8 +22,11 @@ pub struct Recording {
     pub period_s: f64,
     /// Steps that the bench missed.
     pub missed: usize,
-    /// The step from which on the record can't be replayed, because the drive was lost there and started again.
-    pub lost_at: Option<u32>,
+    /// How often the drive was lost and started again; `None` for an interrupted run, which has counted nothing.
+    pub resumes: Option<u64>,
+    /// The step from which on the record can't be replayed: the first without an answer in a run whose drive was started
+    /// again. In which step it was is not recorded.
+    pub ends_before: Option<u32>,
 }
 
 /// A step that sent a sample.
@@ -67,9 +70,10 @@ impl Recording {
             _ => return Err(missing("two steps", "a replay needs the start of a run")),
         };
         let rows = times_s.len().min(answered.len());
-        let mut recording =
-            Self { steps: Vec::with_capacity(rows), origin: 0, period_s, missed: 0, lost_at: None };
-        let was_resumed = files.resumes() > 0;
+        let resumes = files.resumes();
+        let steps = Vec::with_capacity(rows);
+        let mut recording = Self { steps, origin: 0, period_s, missed: 0, resumes, ends_before: None };
+        let was_resumed = resumes.is_some_and(|resumes| resumes > 0);
         for row in 0..rows {
             let number = (times_s[row] / period_s).round();
             if row == 0 && number != 0.0 {
@@ -78,7 +82,7 @@ impl Recording {
             let step = number as u32;
             let is_answered = answered[row] == 1.0;
             if was_resumed && !is_answered {
-                recording.lost_at = Some(step);
+                recording.ends_before = Some(step);
                 break;
             }
             if motor[row].is_nan() {

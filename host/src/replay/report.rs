@@ -3,8 +3,8 @@
 use std::fmt;
 
 use lashloop_protocol::message::FaultReport;
-use lashloop_record::diff::{Tolerance, exact, figure};
-use serde::Serialize;
+use lashloop_record::diff::{Agreement, Tolerance, exact, figure};
+use serde::{Serialize, Serializer};
 
 use super::recording::{RecordedStep, Recording};
 
@@ -25,10 +25,11 @@ pub struct Replay {
     pub first_unanswered: Option<u32>,
     /// Steps without a sample: missed in the record, missed here.
     pub missed: usize,
+    /// How often the drive of the record was lost and started again; `None` for an interrupted run.
+    pub resumes: Option<u64>,
     /// The step from which on the record can't be replayed.
-    pub lost_at: Option<u32>,
+    pub ends_before: Option<u32>,
     /// What ended the replay early.
-    #[serde(skip)]
     pub end: Option<DriveEnd>,
     #[serde(skip)]
     tolerance: Option<Tolerance>,
@@ -49,17 +50,30 @@ pub struct TorquePair {
 }
 
 /// What ended a replay early.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
 pub enum DriveEnd {
     /// The drive latched a fault.
     Fault {
         /// Step of the run.
         step: u32,
         /// Its report.
+        #[serde(flatten, serialize_with = "fault")]
         report: FaultReport,
     },
     /// The user asked for the end.
     Interrupted,
+}
+
+fn fault<S: Serializer>(report: &FaultReport, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Fault {
+        code: String,
+        value: f32,
+        limit: f32,
+    }
+    Fault { code: format!("{:?}", report.code), value: report.value, limit: report.limit }
+        .serialize(serializer)
 }
 
 impl TorquePair {
@@ -80,7 +94,8 @@ impl Replay {
             unanswered: 0,
             first_unanswered: None,
             missed: recording.missed,
-            lost_at: recording.lost_at,
+            resumes: recording.resumes,
+            ends_before: recording.ends_before,
             end: None,
             tolerance,
             peak_nm: 0.0,
@@ -113,13 +128,31 @@ impl Replay {
         }
     }
 
-    /// Whether all torques are equal: bit for bit, or within the tolerance.
+    /// Whether the torques are equal.
     #[must_use]
-    pub fn is_equal(&self) -> bool {
+    pub fn agreement(&self) -> Agreement {
         let is_within = |pair: TorquePair| {
             self.tolerance.is_some_and(|tolerance| pair.difference_nm().abs() <= tolerance.at(self.peak_nm))
         };
-        self.end.is_none() && self.largest.is_none_or(is_within)
+        match (&self.end, self.largest) {
+            (None, None) => Agreement::Bits,
+            (None, Some(largest)) if is_within(largest) => Agreement::Tolerance,
+            (Some(_), _) | (None, Some(_)) => Agreement::Different,
+        }
+    }
+
+    /// The result with its agreement as JSON.
+    ///
+    /// # Errors
+    /// A value has no JSON.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        #[derive(Serialize)]
+        struct Judged<'a> {
+            agreement: Agreement,
+            #[serde(flatten)]
+            replay: &'a Replay,
+        }
+        serde_json::to_string_pretty(&Judged { agreement: self.agreement(), replay: self })
     }
 }
 
@@ -137,10 +170,18 @@ impl fmt::Display for Replay {
                  them is not recorded, so a difference from there on may be the line's"
             )?;
         }
-        if let Some(step) = self.lost_at {
+        if let (Some(step), Some(resumes)) = (self.ends_before, self.resumes) {
             writeln!(
                 out,
-                "lost        the drive was lost and started again in step {step}; the replay ends before it"
+                "restarted   the drive of the record was lost and started again {resumes} times, in steps that are not recorded; the \
+                 replay ends before step {step}, the first without an answer"
+            )?;
+        }
+        if self.resumes.is_none() {
+            writeln!(
+                out,
+                "restarted   the run was interrupted, so the record does not show whether its drive was lost and started again: a \
+                 difference after a step without an answer may come from that"
             )?;
         }
         for (what, pair) in [("first", self.first), ("largest", self.largest)] {
@@ -163,10 +204,10 @@ impl fmt::Display for Replay {
             Some(DriveEnd::Interrupted) => writeln!(out, "interrupted by the user")?,
             None => {}
         }
-        out.write_str(match (self.is_equal(), differing) {
-            (true, 0) => "EQUAL bit for bit",
-            (true, _) => "EQUAL within the tolerance",
-            (false, _) => "DIFFERENT",
+        out.write_str(match self.agreement() {
+            Agreement::Bits => "EQUAL bit for bit",
+            Agreement::Tolerance => "EQUAL within the tolerance",
+            Agreement::Different => "DIFFERENT",
         })
     }
 }

@@ -30,8 +30,19 @@ pub struct PinSetting {
     pub value: ParameterValue,
 }
 
+/// Parameters that describe the pins.
+const OF_PINS: [&str; 7] = [
+    "torque_per_duty_nm",
+    "torque_direction",
+    "duty_offset",
+    "duty_min",
+    "duty_max",
+    "motor_direction",
+    "load_direction",
+];
+
 impl Rig {
-    /// The parameters that describe the pins.
+    /// The parameters that describe the pins, as far as the file has them.
     #[must_use]
     pub fn pins(&self) -> Vec<PinSetting> {
         let Self { encoders, power_stage, .. } = self;
@@ -49,17 +60,18 @@ impl Rig {
             .map(|scale| if scale < 0.0 { Direction::Reversed } else { Direction::Normal });
         let scale = "power_stage.torque_per_duty_nm";
         let pins = [
-            (scale, "torque_per_duty_nm", number(power_stage.torque_per_duty_nm.map(f64::abs))),
-            (scale, "torque_direction", direction(torque_direction)),
-            ("power_stage.duty_offset", "duty_offset", number(power_stage.duty_offset)),
-            ("power_stage.duty_min", "duty_min", number(power_stage.duty_min)),
-            ("power_stage.duty_max", "duty_max", number(power_stage.duty_max)),
-            ("encoders.motor_direction", "motor_direction", direction(encoders.motor_direction)),
-            ("encoders.load_direction", "load_direction", direction(encoders.load_direction)),
+            (scale, number(power_stage.torque_per_duty_nm.map(f64::abs))),
+            (scale, direction(torque_direction)),
+            ("power_stage.duty_offset", number(power_stage.duty_offset)),
+            ("power_stage.duty_min", number(power_stage.duty_min)),
+            ("power_stage.duty_max", number(power_stage.duty_max)),
+            ("encoders.motor_direction", direction(encoders.motor_direction)),
+            ("encoders.load_direction", direction(encoders.load_direction)),
         ];
-        let setting =
-            |(key, parameter, value): (_, _, Option<_>)| Some(PinSetting { key, parameter, value: value? });
-        pins.into_iter().filter_map(setting).collect()
+        let setting = |(parameter, (key, value)): (_, (_, Option<_>))| {
+            Some(PinSetting { key, parameter, value: value? })
+        };
+        OF_PINS.into_iter().zip(pins).filter_map(setting).collect()
     }
 
     /// Gives a scenario in bench mode the resolution of the rig's encoders and its travel.
@@ -93,6 +105,8 @@ impl Rig {
         let origin = Origin::Option(format!("--rig {}", self.file.display()).into());
         self.equip(scenario);
         let mode = scenario.run.mode;
+        // A key that the rig file lacks leaves the drive's default, not the amplifier or the encoders of the scenario.
+        scenario.bench.parameters.retain(|it| !OF_PINS.contains(&&*it.name));
         let of_bench: &[ParameterSetting] = if mode.is_hil() { &[] } else { &scenario.bench.parameters };
         let settings = &mut scenario.controller.parameters;
         let is_set = |settings: &[ParameterSetting], name: &str| {
@@ -184,6 +198,20 @@ mod tests {
     }
 
     #[test]
+    fn the_travel_of_a_scenario_is_at_most_that_of_the_rig() {
+        let travel_rad = |own: &[&str]| {
+            let path =
+                std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+            let mut scenario = crate::Bench::new().scenario(path, own).expect("a scenario");
+            rig().equip(&mut scenario);
+            scenario.bench.load_travel_limit_rad
+        };
+        assert_eq!(travel_rad(&[]), Some(4.0));
+        assert_eq!(travel_rad(&["bench.load_travel_limit_rad=5"]), Some(4.0));
+        assert_eq!(travel_rad(&["bench.load_travel_limit_rad=3"]), Some(3.0));
+    }
+
+    #[test]
     fn pins_are_set_on_a_drive_that_has_them_only() {
         let limit = parameter("torque_limit_nm", 3.0);
         assert_eq!(completed(&[], std::slice::from_ref(&limit)).len(), 1);
@@ -219,6 +247,19 @@ mod tests {
             assert!(PinParameters::TABLE.iter().any(|it| it.name == parameter), "{parameter}");
             assert!(keys.contains(key.rsplit('.').next().expect("a name")), "{key}");
         }
+    }
+
+    #[test]
+    fn pins_that_the_rig_file_lacks_are_the_drives_and_not_the_scenarios() {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+        let own = ["bench.duty_offset=0.45", "bench.load_direction=reverse", "bench.twist_limit_rad=4"];
+        let mut scenario = crate::Bench::new().scenario(path, &own).expect("a scenario");
+        let names = ["torque_limit_nm", "watchdog_us", "twist_limit_rad", "motor_direction"];
+        rig().complete(&mut scenario, &names.map(|name| parameter(name, 3.0))).expect("a drive with pins");
+        let of_bench: Vec<_> = scenario.bench.parameters.iter().map(|it| it.name.as_str()).collect();
+        assert!(!of_bench.iter().any(|name| OF_PINS.contains(name)), "{of_bench:?}");
+        assert!(of_bench.contains(&"twist_limit_rad"), "a limit within the rig's is kept: {of_bench:?}");
     }
 
     #[test]

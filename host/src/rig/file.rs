@@ -275,7 +275,7 @@ fn read_power_stage(stage: &mut Section<'_>) -> PowerStage {
         ("duty_offset", settings.duty_offset),
         ("duty_max", settings.duty_max),
     ]
-    .map(|(name, given)| given.unwrap_or_else(|| default_duty(name)));
+    .map(|(name, given)| given.unwrap_or_else(|| pin_default(name)));
     if !(min <= offset && offset <= max) {
         stage.reject_section(&format!(
             "has duty_min = {min}, duty_offset = {offset}, duty_max = {max}, defaults of the drive included; the offset is the \
@@ -285,8 +285,8 @@ fn read_power_stage(stage: &mut Section<'_>) -> PowerStage {
     settings
 }
 
-/// Default of a duty of the drive.
-fn default_duty(name: &str) -> f64 {
+/// Default of a number among the parameters of bench mode; NaN for any other name.
+pub(crate) fn pin_default(name: &str) -> f64 {
     let parameter = PinParameters::TABLE.iter().find(|parameter| parameter.name == name);
     match parameter.map(|parameter| parameter.range.default()) {
         // Decimal, as it is written: 0.1 is no number of either precision.

@@ -66,7 +66,7 @@ mod tests {
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
         let metrics = Measurement::new(1e-3, &SignalTable::default()).metrics();
         Outcome {
-            judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new() },
+            judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new(), gate: None },
             end: End::Complete,
             metrics,
             link,

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
+use lashloop_bench::number::six_digits;
 use lashloop_plant::metrics::Metric;
+use lashloop_report::page::Check;
 use serde::{Deserialize, Serialize};
-
-use super::case_result::Check;
 
 /// End of the names of baselines.
 pub const ENDING: &str = ".baseline.toml";
@@ -120,20 +120,23 @@ impl Baseline {
         self.cases.iter().find(|case| case.settings == settings)
     }
 
-    /// Takes the metrics of a run as values. A case that has a baseline keeps its metrics and their tolerances.
-    pub fn update(&mut self, settings: &[String], metrics: &BTreeMap<String, f64>) {
+    /// Takes the metrics of a run as values. A case that has a baseline keeps its metrics and their tolerances. Returns the
+    /// metrics that the run has no value for; their entries stay as they are.
+    pub fn update(&mut self, settings: &[String], metrics: &BTreeMap<String, f64>) -> Vec<String> {
         let Some(case) = self.cases.iter_mut().find(|case| case.settings == settings) else {
             let entry = |(name, value): (&String, &f64)| (name.clone(), Entry::new(*value));
             let metrics = metrics.iter().map(entry).collect();
             self.cases.push(CaseBaseline { settings: settings.to_vec(), metrics });
-            return;
+            return Vec::new();
         };
-        case.metrics.retain(|name, _| metrics.contains_key(name));
+        let mut without_value = Vec::new();
         for (name, entry) in &mut case.metrics {
-            if let Some(value) = metrics.get(name) {
-                entry.value = six_digits(*value);
+            match metrics.get(name) {
+                Some(value) => entry.value = six_digits(*value),
+                None => without_value.push(name.clone()),
             }
         }
+        without_value
     }
 
     /// Removes cases that the scenario no longer has.
@@ -200,11 +203,6 @@ impl Entry {
     }
 }
 
-/// A value as a file deserves it; rounding is far below any tolerance of ours.
-fn six_digits(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
 fn unit_of(metric: &str) -> Option<&'static str> {
     Metric::ALL.iter().find(|it| it.name() == metric).map(|it| it.unit())
 }
@@ -220,7 +218,7 @@ mod tests {
     #[test]
     fn a_metric_that_leaves_its_tolerance_is_named_with_value_baseline_and_tolerance() {
         let mut baseline = Baseline::default();
-        baseline.update(&[], &metrics(5.104));
+        assert!(baseline.update(&[], &metrics(5.104)).is_empty());
         let case = baseline.case(&[]).expect("the case");
         assert_eq!(case.check(&metrics(5.2)).1, Vec::<String>::new(), "within 2 %");
         let (checks, reasons) = case.check(&metrics(5.3));
@@ -239,7 +237,7 @@ mod tests {
         let mut baseline = Baseline::read(&path).expect("a baseline").expect("a file");
         let seeds = [vec!["run.seed=1".to_owned()], vec!["run.seed=2".to_owned()]];
         for settings in &seeds {
-            baseline.update(settings, &metrics(6.0));
+            assert!(baseline.update(settings, &metrics(6.0)).is_empty());
         }
         baseline.write(&path).expect("written");
         let read = Baseline::read(&path).expect("a baseline").expect("a file");
@@ -248,6 +246,10 @@ mod tests {
         assert_eq!(entries(0), [("settle_time_s".to_owned(), Entry { value: 6.0, tolerance: 0.5 })].into());
         assert_eq!(entries(1)["settle_time_s"], Entry { value: 6.0, tolerance: 0.12 });
         assert_eq!(entries(1)["overshoot_rad"], Entry { value: 0.0, tolerance: 1e-4 });
+        // A metric without a value keeps its entry.
+        let before = baseline.clone();
+        assert_eq!(baseline.update(&seeds[0], &BTreeMap::new()), ["settle_time_s"]);
+        assert_eq!(baseline, before);
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use lashloop_bench::run::{End, Outcome};
-use lashloop_bench::verdict::{Exit, JudgedExpectation, Verdict};
+use lashloop_bench::run::Outcome;
+use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_report::page::Check;
 use serde::{Deserialize, Serialize};
 
 /// What became of a case.
@@ -38,6 +39,15 @@ impl Status {
         }
     }
 
+    /// Whether a run was judged.
+    #[must_use]
+    pub const fn is_verdict(self) -> bool {
+        match self {
+            Self::Pass | Self::Fail | Self::Invalid => true,
+            Self::Skipped | Self::BadScenario | Self::DeviceOrLink => false,
+        }
+    }
+
     /// The exit code of a run that ends so.
     #[must_use]
     pub const fn exit(self) -> Exit {
@@ -61,33 +71,13 @@ impl From<Verdict> for Status {
     }
 }
 
-/// A value with its bounds: an expectation of the scenario, or a metric against its baseline.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Check {
-    pub name: String,
-    pub value: Option<f64>,
-    pub min: Option<f64>,
-    pub max: Option<f64>,
-    pub unit: String,
-    pub ok: bool,
-}
-
-impl From<&JudgedExpectation> for Check {
-    fn from(judged: &JudgedExpectation) -> Self {
-        let JudgedExpectation { quantity, window, value, unit, min, max, ok, .. } = judged;
-        let name = window.map_or_else(|| quantity.to_string(), |window| format!("{quantity}, {window}"));
-        Self { name, value: value.value(), min: *min, max: *max, unit: unit.clone(), ok: *ok }
-    }
-}
-
-/// A line of the journal.
+/// A line of the journal: what a run has left, before its metrics are compared with their baseline.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseResult {
     /// Name of the case.
     pub case: String,
-    /// SHA-256 of the scenario with every default; none for a scenario that can't be read.
+    /// SHA-256 of the scenario with every default and the table of its reference; none for a scenario that can't be read.
     pub scenario_sha256: Option<String>,
     pub status: Status,
     /// Why it is not PASS.
@@ -125,12 +115,9 @@ impl CaseResult {
     #[must_use]
     pub fn of_run(case: &str, device: String, outcome: &Outcome) -> Self {
         let judgement = &outcome.judgement;
-        let missed = judgement.expectations.iter().filter(|judged| !judged.ok).map(ToString::to_string);
-        let breaches = judgement.breaches.iter().map(ToString::to_string);
-        let end = (outcome.end != End::Complete).then(|| outcome.end.to_string());
         let values = outcome.metrics.iter();
         Self {
-            reasons: end.into_iter().chain(breaches).chain(missed).collect(),
+            reasons: outcome.reasons(),
             checks: judgement.expectations.iter().map(Check::from).collect(),
             metrics: values
                 .filter_map(|(metric, measured)| Some((metric.name().to_owned(), measured.value()?)))

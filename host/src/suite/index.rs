@@ -1,61 +1,76 @@
 //! The results as a page for a browser, with a report of each record.
 
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
-use std::{fs, io};
 
-use lashloop_report::page::{Run, Suite, SuiteExpectation, SuiteRow};
+use lashloop_record::file_names::REPORT_FILE;
+use lashloop_record::reader::{ReadError, ReadFault};
+use lashloop_report::page::{Run, Suite, SuiteRow};
 
-use super::case_result::{CaseResult, Check, Status};
+use super::case_result::CaseResult;
 use super::plan::Case;
 use super::tally::Tally;
 
-const REPORT: &str = "report.html";
-
 /// The index page as a value. `page` is its file: addresses of reports are relative to its folder.
 #[must_use]
-pub fn suite(tally: &Tally, page: &Path, command: String, wall_s: f64) -> Suite {
-    let rows = tally.rows().map(|(case, result)| row(case, result, page)).collect();
-    Suite { title: "Scenarios".to_owned(), command, wall_s, rows }
+pub fn suite(tally: &Tally<'_>, page: &Path, command: Vec<String>, wall_s: f64) -> Suite {
+    let rows = tally.all().map(|(case, result)| row(case, result, page)).collect();
+    let sentence = |clause: String| clause[..1].to_uppercase() + &clause[1..] + ".";
+    let (title, verdict) = ("Scenarios".to_owned(), tally.conclusion().word().to_owned());
+    Suite { title, verdict, reason: tally.shortfall().map(sentence), command, wall_s, rows }
 }
 
-fn row(case: &Case, result: &CaseResult, page: &Path) -> SuiteRow {
+fn row(case: &Case, result: Option<&CaseResult>, page: &Path) -> SuiteRow {
     let setting = |setting: &String| {
         let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
         (key.to_owned(), value.to_owned())
     };
-    let is_verdict = !matches!(result.status, Status::BadScenario | Status::DeviceOrLink);
-    let report = result.record.as_ref().map(|record| record.join(REPORT)).filter(|report| report.is_file());
-    SuiteRow {
+    let row = SuiteRow {
         name: case.file.display().to_string(),
         settings: case.settings.iter().map(setting).collect(),
+        verdict: "NOT RUN".to_owned(),
+        ..SuiteRow::default()
+    };
+    let Some(result) = result else { return row };
+    let report =
+        result.record.as_ref().map(|record| record.join(REPORT_FILE)).filter(|report| report.is_file());
+    SuiteRow {
         device: result.device.clone(),
-        verdict: is_verdict.then(|| result.status.word().to_owned()),
+        verdict: result.status.word().to_owned(),
         reason: result.reasons.join("; "),
-        expectations: result.checks.iter().map(expectation).collect(),
+        checks: result.checks.clone(),
         wall_s: result.wall_s,
         report: report.and_then(|report| relative(page, &report).ok()),
+        ..row
     }
 }
 
-fn expectation(check: &Check) -> SuiteExpectation {
-    let Check { name, value, min, max, unit, ok } = check.clone();
-    SuiteExpectation { name, value, min, max, unit, ok }
-}
-
-/// Writes the report of each record that was kept.
+/// Writes the report of each record that was kept. Returns the records that can't be read, which have none.
 ///
 /// # Errors
 /// A report can't be written.
-pub fn write_reports(tally: &Tally) -> Result<(), ReportError> {
+pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, ReportError> {
+    let mut unreadable = Vec::new();
     for (case, result) in tally.rows() {
         let Some(record) = &result.record else { continue };
-        // A drive that failed before the first step leaves no trace.
-        let Ok(run) = Run::read(&*case.name, record) else { continue };
-        let path = record.join(REPORT);
+        let run = match Run::read(&*case.name, record) {
+            Ok(run) => run,
+            // A drive that failed before the first step leaves no trace.
+            Err(ReadError { fault: ReadFault::Empty, .. }) => continue,
+            Err(ReadError { fault: ReadFault::Read(error), .. }) if error.kind() == ErrorKind::NotFound => {
+                continue;
+            }
+            Err(error) => {
+                unreadable.push(error);
+                continue;
+            }
+        };
+        let path = record.join(REPORT_FILE);
         let written = fs::write(&path, lashloop_report::page::run(&run));
         written.map_err(|source| ReportError { path, source })?;
     }
-    Ok(())
+    Ok(unreadable)
 }
 
 /// A report that can't be written.
@@ -86,6 +101,8 @@ fn relative(page: &Path, file: &Path) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::suite::case_result::Status;
+    use crate::suite::plan::Job;
 
     #[test]
     fn an_address_leads_from_the_page_to_the_file() {
@@ -99,5 +116,29 @@ mod tests {
         let address = |page: &str| relative(&at(page), &report).expect("an address");
         assert_eq!(address("out/index.html"), "records/a %231/report.html");
         assert_eq!(address("pages/index.html"), "../out/records/a %231/report.html");
+    }
+
+    #[test]
+    fn a_record_that_can_not_be_read_is_reported_and_an_empty_one_is_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let case = |name: &str| Case {
+            name: name.to_owned(),
+            file: name.into(),
+            settings: Vec::new(),
+            baseline: None,
+            job: Job::Skip(String::new()),
+        };
+        let cases = ["empty", "damaged"].map(case);
+        let mut tally = Tally::new(&cases);
+        for case in &cases {
+            let record = folder.path().join(&case.name);
+            fs::create_dir(&record).expect("a folder");
+            let result = CaseResult::without_run(&case.name, Status::DeviceOrLink, Vec::new());
+            tally.add(CaseResult { record: Some(record), ..result });
+        }
+        fs::write(folder.path().join("damaged/trace.csv"), "time_s,torque_nm\n0,x\n").expect("a trace");
+        let unreadable = write_reports(&tally).expect("nothing is written");
+        let errors: Vec<_> = unreadable.iter().map(ToString::to_string).collect();
+        assert!(errors.len() == 1 && errors[0].contains("damaged/trace.csv:2: torque_nm"), "{errors:?}");
     }
 }

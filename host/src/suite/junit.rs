@@ -13,22 +13,22 @@ pub struct Row<'a> {
     pub result: &'a CaseResult,
 }
 
-/// The report as XML: a suite for each file, a case for each case. A case without a verdict is an error. `ended_by` is why
-/// the command ended early, a case of its own with an error: a report never passes for lack of results.
+/// The report as XML: a suite for each file, a case for each case. A case without a verdict is an error. `shortfall` is why
+/// the whole has no verdict, a case of its own with an error: a report never passes for lack of results.
 ///
 /// # Errors
 /// Errors of the XML writer.
-pub fn report(name: &str, rows: &[Row<'_>], ended_by: Option<&str>) -> Result<String, SerializeError> {
+pub fn report(name: &str, rows: &[Row<'_>], shortfall: Option<&str>) -> Result<String, SerializeError> {
     let mut report = Report::new(name);
     for group in rows.chunk_by(|one, next| one.file == next.file) {
         let mut suite = TestSuite::new(&*group[0].file);
         suite.add_test_cases(group.iter().map(case));
         report.add_test_suite(suite);
     }
-    if let Some(cause) = ended_by {
+    if let Some(cause) = shortfall {
         let mut status = TestCaseStatus::non_success(NonSuccessKind::Error);
         status.set_message(cause);
-        let mut case = TestCase::new("the command reaches its end", status);
+        let mut case = TestCase::new("every case has a result and one has run", status);
         case.set_classname(name);
         let mut suite = TestSuite::new(name);
         suite.add_test_case(case);
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_ended_early_is_an_error() {
+    fn a_report_without_results_is_an_error() {
         let xml = report("lashloop test", &[], Some("interrupted")).expect("XML");
         assert!(xml.contains(r#"tests="1" skipped="0" failures="0" errors="1""#), "{xml}");
     }

@@ -31,35 +31,26 @@ pub struct Runner<'a> {
     pub keeps_passes: bool,
     /// The summary of a run.
     pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
-    /// Compare metrics with baselines.
-    pub compares: bool,
     /// Settings of every scenario, for the record.
     pub overrides: &'a [Override],
     pub plants: &'a Plants,
 }
 
 impl Runner<'_> {
-    /// Runs a case; `None` if it was stopped.
+    /// Runs a case; `None` if it was stopped. The record depends on the baseline, the result does not.
     ///
     /// # Errors
     /// The record can't be written. Every other error is a result.
     pub fn run(&self, case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, WriteError> {
         let Job::Run { scenario, sha256 } = &case.job else { return Ok(None) };
-        let folder = self.records.map(|records| records.join(&case.folder));
+        let folder = self.records.map(|records| records.join(case.folder()));
         let record = folder.as_deref().map(|folder| self.open_record(folder, case)).transpose()?;
         let result = match self.run_scenario(scenario, record, stop) {
             Ok((_, outcome)) if outcome.end == End::Interrupted => None,
             // A signal to the whole group of processes ends drives too.
             Err(_) if stop.asked() => None,
             Err(RunError::Record(error)) => return Err(error),
-            Ok((device, outcome)) => {
-                let mut result = CaseResult::of_run(&case.name, device, &outcome);
-                if let Some(baseline) = case.baseline.as_ref().filter(|_| self.compares) {
-                    let (checks, reasons) = baseline.check(&result.metrics);
-                    result.add_checks(checks, reasons);
-                }
-                Some(result)
-            }
+            Ok((device, outcome)) => Some(CaseResult::of_run(&case.name, device, &outcome)),
             Err(error) => {
                 let status = match exit_of(&error) {
                     Exit::UsageOrScenario => Status::BadScenario,
@@ -68,7 +59,8 @@ impl Runner<'_> {
                 Some(CaseResult::without_run(&case.name, status, vec![error.to_string()]))
             }
         };
-        let is_kept = result.as_ref().is_some_and(|it| self.keeps_passes || it.status != Status::Pass);
+        let has_passed = |result: &CaseResult| case.judged(result.clone()).status == Status::Pass;
+        let is_kept = result.as_ref().is_some_and(|result| self.keeps_passes || !has_passed(result));
         if let Some(folder) = &folder {
             // The last run of several at once is none that a user looks for.
             let _ = fs::remove_file(folder.with_file_name(LATEST));
@@ -108,7 +100,7 @@ impl Runner<'_> {
         observers.extend(record.as_mut().map(|record| record as &mut dyn StepObserver));
         let outcome = run::run(scenario, &mut device, self.clock, &mut Observers(observers))?;
         if let Some(record) = record {
-            record.finish(&(self.summary)(scenario, &device.device, &outcome), &outcome.logs)?;
+            record.finish(&(self.summary)(scenario, &device.device, &outcome))?;
         }
         Ok((device.device.description(), outcome))
     }

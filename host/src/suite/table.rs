@@ -23,13 +23,13 @@ pub fn line(result: &CaseResult, name_width: usize) -> String {
 
 /// Width of the column of names.
 #[must_use]
-pub fn name_width(tally: &Tally) -> usize {
+pub fn name_width(tally: &Tally<'_>) -> usize {
     tally.cases.iter().map(|case| case.name.chars().count()).max().unwrap_or(0).min(WIDEST)
 }
 
 /// The table with the reasons of each case that did not pass, and the sum as the last line.
 pub struct Table<'a> {
-    pub tally: &'a Tally,
+    pub tally: &'a Tally<'a>,
     pub wall_s: f64,
 }
 

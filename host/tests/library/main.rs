@@ -1,5 +1,7 @@
 //! The library as a user's test calls it.
 
+mod line;
+mod loop_in_c;
 mod replayed;
 
 use std::thread;

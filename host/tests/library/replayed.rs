@@ -8,6 +8,7 @@ use lashloop_bench::run::{self, Clock, DeviceUnderTest, RunStart, Step, StepObse
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::{ClockName, StepOutcome};
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_record::diff::Agreement;
 use own_law::OwnLaws;
 use serde_json::{Value, json};
 
@@ -84,7 +85,11 @@ fn own_laws() -> Device {
 fn firmware_that_numbers_its_laws_differently_gives_the_same_torques() {
     let scenario = scenario(&[]);
     let result = replayed(&scenario, &recorded(&scenario), &own_laws()).expect("a replay");
-    assert_eq!((result.compared, result.differing, result.is_equal()), (300, 0, true), "{result}");
+    assert_eq!(
+        (result.compared, result.differing, result.agreement()),
+        (300, 0, Agreement::Bits),
+        "{result}"
+    );
 }
 
 #[test]
@@ -98,7 +103,10 @@ fn one_bit_of_a_torque_is_named_with_its_step_and_both_values() {
     let result = replayed(&scenario, &run, &own_laws()).expect("a replay");
     let first = result.first.expect("a difference");
     assert_eq!((first.step, first.recorded_nm, first.replayed_nm), (137, recorded_nm, replayed_nm));
-    assert_eq!((result.differing, result.largest, result.is_equal()), (1, Some(first), false));
+    assert_eq!(
+        (result.differing, result.largest, result.agreement()),
+        (1, Some(first), Agreement::Different)
+    );
     let text = result.to_string();
     assert!(
         text.contains("first       step 137, 0.137 s: recorded ") && text.ends_with("DIFFERENT"),
@@ -161,5 +169,10 @@ fn fault_that_only_the_replay_latches_is_a_difference() {
     ]});
     let run = (recording, RecordedParameters::of(&strict).expect("parameters"));
     let result = replayed(&scenario, &run, &own_laws()).expect("a replay");
-    assert!(!result.is_equal() && result.end.is_some() && result.to_string().contains("latched"), "{result}");
+    assert!(
+        result.agreement() == Agreement::Different
+            && result.end.is_some()
+            && result.to_string().contains("latched"),
+        "{result}"
+    );
 }

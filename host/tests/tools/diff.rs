@@ -128,6 +128,64 @@ fn interrupt(folder: &Path, rows: usize) {
     }
 }
 
+/// Makes tables alone of a record, as of a run in real time that had no torque in time at this row, if any, and ended so.
+fn in_real_time(folder: &Path, late: Option<usize>, rows: usize, end: &str) {
+    fs::remove_file(folder.join("run.mcap")).unwrap();
+    for (name, key, value) in [("record.json", "clock", "real-time"), ("summary.json", "end", end)] {
+        let mut file: Value = serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap();
+        file[key] = value.into();
+        fs::write(folder.join(name), file.to_string()).unwrap();
+    }
+    for name in ["trace.csv", "timing.csv"] {
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        let answered = text.lines().next().unwrap().split(',').position(|column| column == "answered");
+        let line = |(number, line): (usize, &str)| match answered {
+            Some(at) if Some(number) == late.map(|row| row + 1) => {
+                let mut fields: Vec<_> = line.split(',').collect();
+                fields[at] = "0";
+                fields.join(",")
+            }
+            _ => line.to_owned(),
+        };
+        let lines: Vec<_> = text.lines().enumerate().take(rows + 1).map(line).collect();
+        fs::write(folder.join(name), lines.join("\n") + "\n").unwrap();
+    }
+}
+
+#[test]
+fn run_in_real_time_that_ended_early_or_otherwise_is_different() {
+    let runs = Runs::new();
+    let (a, b) = (runs.run("a", &[]), runs.run("b", &[]));
+    in_real_time(&a, Some(100), 200, "complete");
+    let whole = fs::read(b.join("run.mcap")).unwrap();
+    let tables = ["trace.csv", "timing.csv"].map(|name| (name, fs::read(b.join(name)).unwrap()));
+    for (rows, end, want) in [
+        (200, "complete", 0),
+        (200, "the drive latched LoadSpeed", 1),
+        (150, "the drive latched LoadSpeed", 1),
+        (50, "complete", 1),
+        (150, "complete", 0),
+    ] {
+        fs::write(b.join("run.mcap"), &whole).unwrap();
+        tables.iter().for_each(|(name, table)| fs::write(b.join(name), table).unwrap());
+        in_real_time(&b, None, rows, end);
+        let (code, printed) = diff(&a, &b, &["--deterministic"]);
+        assert!(printed.contains("Judged until 0.1 s"), "{printed}");
+        assert_eq!(code, Some(want), "{rows} rows, {end}: {printed}");
+    }
+}
+
+#[test]
+fn a_metric_alone_is_compared() {
+    let runs = Runs::new();
+    let a = runs.run("a", &[]);
+    let b = runs.run("b", &["--set", "controller.parameters.k_p2=10.5"]);
+    for (other, want) in [(&a, 0), (&b, 1)] {
+        let (code, printed) = diff(&a, other, &["--only", "rms_torque_nm"]);
+        assert!(code == Some(want) && !printed.contains("nothing can be judged"), "{code:?}: {printed}");
+    }
+}
+
 #[test]
 fn other_period_is_compared_at_common_times() {
     let runs = Runs::new();

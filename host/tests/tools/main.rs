@@ -5,9 +5,12 @@ mod decode;
 mod diff;
 mod dissector;
 mod doctor;
+mod export;
+mod link_budget;
 mod live;
 mod plot;
 mod progress;
+mod report;
 mod rerun;
 mod support;
 

@@ -1,12 +1,15 @@
 //! `lashloop rerun` and `lashloop replay` on the records of `lashloop run`.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
+use std::os::unix::fs::symlink;
 use std::path::Path;
+use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
 
 use crate::diff::Runs;
-use crate::support::{lashloop, text};
+use crate::support::{LASHLOOP, lashloop, root, text};
 
 /// Exit code, and what is printed.
 fn on(command: &str, record: &Path, options: &[&str]) -> (Option<i32>, String) {
@@ -66,11 +69,45 @@ fn changed_build_and_changed_gain_are_named() {
     assert!(printed.lines().any(|line| line.trim_start().starts_with("parameter  k_p2")), "{printed}");
 }
 
+/// A process that ends with the test.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn device_with_a_relative_path_is_found_from_another_folder() {
+    let runs = Runs::new();
+    let drive = Command::new(LASHLOOP).arg("device").stdout(Stdio::piped()).spawn();
+    let mut drive = Killed(drive.unwrap());
+    let mut terminal = String::new();
+    BufReader::new(drive.0.stdout.take().unwrap()).read_line(&mut terminal).unwrap();
+    symlink(terminal.trim(), runs.folder("drive")).unwrap();
+    let mut run = Command::new(LASHLOOP);
+    run.current_dir(runs.folder(".")).arg("run").arg(root().join("scenarios/smooth-after.toml"));
+    run.args(["--device", "./drive", "--out", "a", "--set", "run.duration_s=0.2", "--set", "expect=[]"]);
+    let ended = run.output().unwrap();
+    assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
+    let (code, printed) = rerun(&runs.folder("a"), &["--out", runs.folder("b").to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{printed}");
+    assert!(printed.contains("Set differently: nothing"), "{printed}");
+}
+
 #[test]
 fn rerun_in_real_time_judges_what_is_the_same_each_time() {
     let runs = Runs::new();
-    let record = runs.run("a", &["--clock", "real-time", "--set", "allow.late=1000"]);
-    let (code, printed) = rerun(&record, &[]);
+    let options = ["--clock", "real-time", "--spin-us=30", "--core", "0", "--set", "allow.late=1000"];
+    let (record, again) = (runs.run("a", &options), runs.folder("b"));
+    // Options come from their entries: the command line is a text for people.
+    change(&record, |manifest| manifest["command_line"] = json!([]));
+    let (code, printed) = rerun(&record, &["--out", again.to_str().unwrap()]);
+    let manifest: Value = serde_json::from_slice(&fs::read(again.join("record.json")).unwrap()).unwrap();
+    let real_time = json!({ "spin_us": 30, "fifo": null, "lock_memory": false, "core": 0 });
+    assert_eq!(manifest["real_time"], real_time);
     // A busy machine may be late from the first step on.
     assert_eq!(code, Some(i32::from(printed.contains("nothing can be judged"))), "{printed}");
     assert!(printed.contains("Judged: reference") && printed.contains("Metrics (not judged)"), "{printed}");
@@ -99,6 +136,7 @@ fn replay_names_the_first_step_and_both_torques() {
     let (code, printed) = replay(&record, &["--device", "inproc", "--json"]);
     assert_eq!(code, Some(1), "{printed}");
     let result: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!((&result["agreement"], &result["end"]), (&json!("different"), &Value::Null), "{result}");
     assert_eq!(result["first"]["step"], 0, "{result}");
     assert_ne!(result["first"]["recorded_nm"], result["first"]["replayed_nm"], "{result}");
     let largest = (result["largest"]["replayed_nm"].as_f64().unwrap()
@@ -109,17 +147,87 @@ fn replay_names_the_first_step_and_both_torques() {
 }
 
 #[test]
+fn fault_of_a_replay_is_in_its_json() {
+    let runs = Runs::new();
+    let record = runs.run("a", &[]);
+    change(&record, |manifest| {
+        let parameters = manifest["parameters"].as_array_mut().unwrap();
+        parameters.iter_mut().find(|it| it["name"] == "motor_speed_limit_rad_s").unwrap()["value"] =
+            json!(0.1);
+    });
+    let (code, printed) = replay(&record, &["--device", "inproc", "--json"]);
+    assert_eq!(code, Some(1), "{printed}");
+    let result: Value = serde_json::from_str(&printed).unwrap();
+    let end = &result["end"];
+    assert_eq!((&result["agreement"], &end["kind"]), (&json!("different"), &json!("fault")), "{result}");
+    assert_eq!(end["code"], "MotorEncoderJump", "{result}");
+    assert!(end["step"].as_u64() > Some(0) && end["limit"].is_f64(), "{result}");
+}
+
+#[test]
+fn replay_of_an_interrupted_run_names_what_is_not_recorded() {
+    let runs = Runs::new();
+    let record = runs.run("a", &[]);
+    assert!(!replay(&record, &["--device", "inproc"]).1.contains("restarted"));
+    fs::remove_file(record.join("summary.json")).unwrap();
+    let (code, printed) = replay(&record, &["--device", "inproc"]);
+    assert!(code == Some(0) && printed.contains("does not show whether its drive was lost"), "{printed}");
+}
+
+#[test]
+fn plant_in_a_process_runs_where_it_ran_and_its_change_is_named() {
+    let runs = Runs::new();
+    let (lab, out) = (runs.folder("lab"), runs.folder("a"));
+    fs::create_dir(&lab).unwrap();
+    for name in ["plant.toml", "plant.py"] {
+        fs::copy(root().join("examples/plant-process").join(name), lab.join(name)).unwrap();
+    }
+    let scenario = lab.join("plant.toml");
+    let [scenario, folder] = [&scenario, &out].map(|path| path.to_str().unwrap());
+    let short = ["--set", "run.duration_s=0.1"];
+    let ended =
+        lashloop(&[&["run", scenario, "--device", "inproc", "--out", folder][..], &short].concat(), &[]);
+    assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
+    let (code, printed) = rerun(&out, &[]);
+    assert!(code == Some(0) && printed.contains("Set differently: nothing"), "{code:?}: {printed}");
+    let plant = fs::read_to_string(lab.join("plant.py")).unwrap();
+    fs::write(lab.join("plant.py"), plant.replace("\"f_s\": 16.0", "\"f_s\": 17.0")).unwrap();
+    let (code, printed) = rerun(&out, &[]);
+    assert_eq!(code, Some(1), "{printed}");
+    assert!(printed.contains("sha256 of plant.py") && printed.contains("First difference"), "{printed}");
+}
+
+#[test]
+fn record_of_a_part_is_compared_with_this_part() {
+    let runs = Runs::new();
+    let record = runs.run("a", &[]);
+    // Rows from 0.05 s to 0.149 s, as a soak keeps them. Tables are rounded, so the positions need a tolerance.
+    fs::remove_file(record.join("run.mcap")).unwrap();
+    for name in ["trace.csv", "timing.csv"] {
+        let table = fs::read_to_string(record.join(name)).unwrap();
+        let part: Vec<_> = table.lines().take(1).chain(table.lines().skip(51).take(100)).collect();
+        fs::write(record.join(name), part.join("\n") + "\n").unwrap();
+    }
+    let options = ["--only", "load_position_rad", "--tolerance", "load_position_rad=1e-5"];
+    let (code, printed) = rerun(&record, &options);
+    assert_eq!(code, Some(0), "{printed}");
+    assert!(printed.contains("from 0.050000 s to 0.149000 s"), "{printed}");
+    assert!(printed.contains("Rows compared: 100\n"), "{printed}");
+    let (code, printed) =
+        rerun(&record, &[&options[..], &["--set", "controller.parameters.k_p2=1"]].concat());
+    assert_eq!(code, Some(1), "{printed}");
+}
+
+#[test]
 fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     let runs = Runs::new();
     let record = runs.run("a", &[]);
     change(&record, |manifest| manifest["parameters"][3]["name"] = json!("brake_gain"));
     let (code, printed) = replay(&record, &["--device", "inproc"]);
     assert!(code == Some(2) && printed.contains("no parameter brake_gain"), "{code:?}: {printed}");
-    change(&record, |manifest| {
-        manifest["command_line"] = json!(["lashloop", "run", "a.toml", "--rig=bench.toml"]);
-    });
+    change(&record, |manifest| manifest["rig"] = json!("bench.toml"));
     let (code, printed) = rerun(&record, &[]);
-    assert!(code == Some(2) && printed.contains("give --rig RIG.toml"), "{code:?}: {printed}");
+    assert!(code == Some(2) && printed.contains("give --rig bench.toml"), "{code:?}: {printed}");
     for name in ["run.mcap", "record.json", "scenario.toml"] {
         fs::remove_file(record.join(name)).unwrap();
     }

@@ -19,11 +19,12 @@ type Check = fn();
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let stm32flash = uart::missing();
-    let with_stm32flash: [(&str, Check); 13] = [
+    let with_stm32flash: [(&str, Check); 14] = [
         ("uart::an_image_is_flashed_once_the_drive_reports_its_build", uart::flashed),
         ("uart::the_only_way_that_is_there_is_found", uart::found),
         ("uart::a_running_drive_enters_its_boot_loader_by_request", uart::by_request),
         ("uart::a_drive_gets_no_request_for_a_loader_elsewhere", uart::no_request),
+        ("uart::a_drive_gets_no_request_for_the_image_of_another_board", uart::no_request_for_other_board),
         ("uart::a_drive_on_another_board_than_the_image_is_not_flashed", uart::other_board),
         ("uart::a_loader_that_no_way_reaches_is_reported_with_the_way_back", uart::unreached),
         ("uart::another_build_of_the_drive_is_not_flashed", uart::other_build),
@@ -34,7 +35,7 @@ fn main() -> ExitCode {
         ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 17] = [
+    let alone: [(&str, Check); 19] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
@@ -49,6 +50,8 @@ fn main() -> ExitCode {
         ("stand_ins::two_probes_need_a_choice", stand_ins::two_probes),
         ("stand_ins::dfu_writes_reads_back_and_leaves", stand_ins::dfu),
         ("stand_ins::dfu_with_a_different_copy_is_not_flashed", stand_ins::dfu_different),
+        ("stand_ins::a_download_that_fails_is_not_flashed", stand_ins::download_failed),
+        ("stand_ins::a_chip_that_is_not_reset_is_not_flashed", stand_ins::reset_failed),
         ("stand_ins::the_output_of_a_failed_program_is_quoted_escaped", stand_ins::failed),
         ("stand_ins::without_a_way_each_has_its_reason", stand_ins::no_way),
         ("stand_ins::a_rig_in_use_is_not_flashed", stand_ins::rig_in_use),

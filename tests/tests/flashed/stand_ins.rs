@@ -42,7 +42,11 @@ fn flash(bench: &Workbench, twin: &Twin) -> Ended {
 pub(crate) fn probe() {
     let (bench, twin) = (Workbench::new(), Twin::start());
     bench.program("probe-rs", PROBE_RS);
-    let ended = flash(&bench, &twin).with_code(0);
+    // A probe that was only found may be on another board: the reset stops that one.
+    let found = flash(&bench, &twin).with_code(0);
+    assert!(bench.calls().contains(" --connect-under-reset ") && claims_success(&found), "{}", bench.calls());
+    fs::remove_file(bench.path("calls")).expect("the calls");
+    let ended = bench.flash_with(&["--via", "probe", "--device", &twin.device()]).with_code(0);
     assert_eq!(
         bench.calls(),
         "probe-rs list\nprobe-rs download --chip STM32F405RGTx --verify BENCH/image.elf\nprobe-rs reset --chip STM32F405RGTx\n"
@@ -157,6 +161,25 @@ pub(crate) fn dfu_different() {
         ended.stderr
     );
     assert!(ended.stderr.contains("hold BOOT0 high") && !claims_success(&ended), "{}", ended.stderr);
+}
+
+/// The flash has the image, and the drive reports its build: that may be from before.
+fn assert_not_flashed(ended: Ended, program: &str) {
+    let ended = ended.with_code(4);
+    assert!(ended.stderr.contains(&format!("not flashed: {program} failed")), "{}", ended.stderr);
+    assert!(ended.stderr.contains("call again") && !claims_success(&ended), "{}", ended.stdout);
+}
+
+pub(crate) fn download_failed() {
+    let fails = DFU_UTIL.replace(r#"cp "$file" "$BENCH/flash""#, r#"cp "$file" "$BENCH/flash"; exit 74"#);
+    let (bench, twin) = (with_dfu(&fails), Twin::start());
+    assert_not_flashed(flash(&bench, &twin), "dfu-util");
+}
+
+pub(crate) fn reset_failed() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", &PROBE_RS.replace("esac", "reset) exit 1;;\nesac"));
+    assert_not_flashed(flash(&bench, &twin), "probe-rs");
 }
 
 pub(crate) fn failed() {

@@ -81,6 +81,17 @@ pub(crate) fn no_request() {
     assert!(doctor.stdout.contains("native-twin"), "{}{}", doctor.stdout, doctor.stderr);
 }
 
+pub(crate) fn no_request_for_other_board() {
+    let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
+    elf.symbols[2].0 = "_lashloop_board_stm32f405";
+    let chip = RomLoader::behind_a_drive();
+    let port = ["--via", "uart", "--device", &chip.device, "--loader-port", &chip.device];
+    let ended = with(elf).flash_with(&port).with_code(2);
+    assert!(ended.stderr.contains("is for the board stm32f405"), "{}", ended.stderr);
+    assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
+    assert!(chip.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
+}
+
 pub(crate) fn unreached() {
     let (bench, chip, elsewhere) = (right(), RomLoader::behind_a_drive(), terminal::open());
     let port = terminal::device(&elsewhere);

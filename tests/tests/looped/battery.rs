@@ -22,16 +22,14 @@ fn text(records: &Records, name: &str) -> String {
     fs::read_to_string(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The files of a battery, independent of the order in which runs ended.
-fn left(records: &Records) -> [String; 3] {
-    let mut journal: Vec<_> = text(records, "runs.jsonl").lines().map(str::to_owned).collect();
-    journal[1..].sort_unstable();
-    [journal.join("\n"), text(records, "runs.csv"), text(records, "battery.json")]
+/// The results of a battery.
+fn left(records: &Records) -> [String; 2] {
+    ["results.csv", "report.json"].map(|name| text(records, name))
 }
 
-/// The rows of `runs.csv`, each by its columns.
+/// The rows of `results.csv`, each by its columns.
 fn rows(records: &Records) -> Vec<BTreeMap<String, String>> {
-    let text = text(records, "runs.csv");
+    let text = text(records, "results.csv");
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     reader.deserialize().map(|row| row.expect("a row")).collect()
 }
@@ -50,17 +48,20 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
         assert!(document.contains(&format!("    {line}\n")), "not in docs/robustness.md: {line}");
     }
     let report: serde_json::Value =
-        serde_json::from_str(&text(&records, "battery.json")).expect("battery.json is JSON");
+        serde_json::from_str(&text(&records, "report.json")).expect("report.json is JSON");
     assert_eq!(report["verdict"], "PASS");
     let rows = rows(&records);
     // 20 plants, and 34 values of seven sweeps.
     assert_eq!(rows.len(), 4 * (20 + 34));
     for law in ["pd", "merzouki", "backlash-inverse", "braking-curve"] {
-        let random = |row: &&BTreeMap<_, _>| row["part"] == "random-plants" && row["controller"] == law;
+        let random = |row: &&BTreeMap<_, _>| row["part"] == "random-plants" && row["variant"] == law;
         let row = rows.iter().filter(random).nth(13).expect("a row");
         let alone = Records::new();
         let scenario = format!("scenarios/shaft-{law}.toml");
-        let settings = row["set"].split(' ').flat_map(|set| ["--set".to_owned(), set.to_owned()]);
+        let show = format!("campaign show campaigns/battery.toml --case {}", row["case"]);
+        let shown = program::run(show.split(' ')).with_code(0).stdout;
+        let settings = shown.lines().filter_map(|line| line.strip_prefix("--set "));
+        let settings = settings.flat_map(|set| ["--set".to_owned(), set.to_owned()]);
         let words = ["run", &scenario, "--device", "inproc", "--out", &alone.out()].map(str::to_owned);
         // The verdict does not matter: its expectations hold for another plant.
         let _ = program::run(words.into_iter().chain(settings));
@@ -99,22 +100,24 @@ fn same_seed_gives_the_same_table_for_any_number_of_jobs() {
 
 const SMALL: &str = "--plants 10 --controller merzouki,backlash-inverse --no-sweeps --jobs 1";
 
+/// The rows so far.
+fn part(records: &Records) -> String {
+    fs::read_to_string(records.path("shard-1-of-1.csv.part")).unwrap_or_default()
+}
+
 /// A battery in progress, with some results.
 fn in_progress(records: &Records) -> Running {
     let bench = Running::start(arguments(records, SMALL));
-    wait::until("results in runs.jsonl", || {
-        let lines = fs::read_to_string(records.path("runs.jsonl")).ok()?.lines().count();
-        (lines > 3).then_some(())
-    });
+    wait::until("rows", || (part(records).lines().count() > 3).then_some(()));
     bench
 }
 
 /// Resumes a battery and requires the results of an uninterrupted one.
 fn resumes_to_the_same_results(records: &Records) {
-    let made = text(records, "runs.jsonl").matches("\"end\"").count();
-    assert!((3..20).contains(&made), "{made} runs in the journal");
+    let made = part(records).matches('\n').count() - 1;
+    assert!((3..20).contains(&made), "{made} rows");
     let resumed = run(records, &format!("{SMALL} --resume")).with_code(0);
-    assert_eq!(resumed.stderr, format!("{made} of 20 runs restored from the journal\n"));
+    assert_eq!(resumed.stderr, format!("{made} of 20 runs restored\n"));
     let whole = Records::new();
     assert_eq!(resumed.stdout, run(&whole, SMALL).with_code(0).stdout);
     assert_eq!(left(records), left(&whole));
@@ -138,8 +141,8 @@ fn interrupted_battery_keeps_its_results_and_resumes() {
     assert!(ended.stdout.starts_with("interrupted: "), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("resume with --resume\n"), "{}", ended.stdout);
     assert_eq!(ended.stderr, "");
-    assert!(text(&records, "runs.jsonl").ends_with('\n'));
-    assert!(!records.path("battery.json").exists(), "no report on a part of a battery");
+    assert!(part(&records).ends_with('\n'));
+    assert!(!records.path("report.json").exists(), "no report on a part of a battery");
     resumes_to_the_same_results(&records);
 }
 
@@ -152,9 +155,12 @@ fn results_of_another_battery_are_refused_and_kept() {
     let before = left(&records);
     for (rest, expected) in [
         (format!("{ONE} --resume --seed 2"), "its seed is 1, here it is 2"),
-        ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of controllers is"),
-        (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of plants is 1, here it is 2"),
-        ("--plants 1 --controller backlash-inverse --resume".to_owned(), "its choice of sweeps is without"),
+        ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of variants is"),
+        (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of points is 1, here it is 2"),
+        (
+            "--plants 1 --controller backlash-inverse --resume".to_owned(),
+            "its list of parts is random-plants",
+        ),
         (ONE.to_owned(), "already holds results: resume with --resume"),
     ] {
         let ended = run(&records, &rest).with_code(2);
@@ -168,13 +174,18 @@ fn results_of_another_battery_are_refused_and_kept() {
 fn diverged_run_is_counted_and_fails_the_battery() {
     let records = Records::new();
     let _ = run(&records, ONE).with_code(0);
-    let journal = text(&records, "runs.jsonl");
-    let (before, scores) = journal.split_once("\"scores\":{").expect("scores");
-    let (scores, after) = scores.split_once('}').expect("their end");
-    let names = scores.split(',').map(|score| score.split_once(':').expect("a name").0);
-    let diverged: Vec<_> = names.map(|name| format!("{name}:\"not finite\"")).collect();
-    let journal = format!("{before}\"scores\":{{{}}}{after}", diverged.join(","));
-    fs::write(records.path("runs.jsonl"), journal).expect("a journal");
+    let table = records.path("shard-1-of-1.csv");
+    let before = fs::read_to_string(&table).expect("the shard");
+    let (header, row) = before.split_once('\n').expect("two lines");
+    let numbers = header.split(',').position(|name| name == "settle_time_s").expect("a column");
+    let last = header.split(',').position(|name| name == "verdict").expect("a column");
+    let diverged = row.trim_end().split(',').enumerate();
+    let diverged =
+        diverged.map(|(at, field)| if (numbers..last).contains(&at) { "not finite" } else { field });
+    let diverged = format!("{header}\n{}\n", diverged.collect::<Vec<_>>().join(","));
+    // As a kill after the last row leaves it: a complete table must have the hash that it was completed with.
+    fs::remove_file(&table).expect("the shard");
+    fs::write(table.with_extension("csv.part"), diverged).expect("the shard");
     let ended = run(&records, &format!("{ONE} --resume")).with_code(1);
     assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
     assert_eq!(

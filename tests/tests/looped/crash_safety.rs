@@ -1,5 +1,6 @@
 //! The record after a kill of the bench, on a full disk, and with a closed reader.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -77,20 +78,24 @@ fn with_files_up_to(blocks: u32, records: &Records, settings: &[&str]) -> (Optio
 
 #[test]
 fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
-    for flush_rows in ["record.flush_rows=1", "record.flush_rows=100", "record.flush_rows=1000"] {
+    for flush_rows in [1, 100, 1000] {
         let records = Records::new();
         fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
-        let (code, stderr) = with_files_up_to(400, &records, &[flush_rows]);
+        let setting = format!("record.flush_rows={flush_rows}");
+        let (code, stderr) = with_files_up_to(400, &records, &[&setting]);
         assert_eq!(code, Some(2), "{stderr}");
         assert!(stderr.contains("run.mcap: cannot be written: ") && stderr.lines().count() == 1, "{stderr}");
         let rows = records.trace().len();
         assert!(
-            (1..25_000).contains(&rows) || flush_rows.ends_with("=1000"),
-            "{rows} rows with {flush_rows}"
+            (flush_rows..25_000).contains(&rows) && rows.is_multiple_of(flush_rows),
+            "{rows} rows with {setting}"
         );
         assert_eq!(records.timing().len(), rows);
         let rows_of_table = Table::read(&records.path("trace.csv")).expect("a table").len();
-        assert!(rows_of_table.abs_diff(rows) <= 1_000, "{rows_of_table} rows in trace.csv, {rows} steps");
+        assert!(
+            rows_of_table.abs_diff(rows) <= flush_rows,
+            "{rows_of_table} rows in trace.csv, {rows} steps with {setting}"
+        );
         assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new trace");
     }
 }
@@ -98,9 +103,18 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
 #[test]
 fn a_disk_full_at_the_start_is_named_before_the_run() {
     let records = Records::new();
+    let short = ["--device", "inproc", "--set", "run.duration_s=0.1", "--set", "expect=[]", "--report"];
+    let out = records.out();
+    let _ = program::run(["run", "scenarios/shaft-pd.toml", "--out", &out].iter().chain(&short)).with_code(0);
+    let files = || {
+        let entries = fs::read_dir(records.path("")).expect("the folder").flatten();
+        entries.map(|it| (it.file_name(), fs::read(it.path()).expect("a file"))).collect::<BTreeMap<_, _>>()
+    };
+    let before = files();
     let (code, stderr) = with_files_up_to(0, &records, &[]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("scenario.toml: cannot be written: File too large"), "{stderr}");
+    assert!(stderr.contains("record/scenario.toml: cannot be written: File too large"), "{stderr}");
+    assert!(before.len() == 8 && before == files(), "the earlier record has changed: {:?}", files().keys());
 }
 
 #[test]
@@ -168,6 +182,36 @@ fn a_refused_run_keeps_the_record_of_an_earlier_run() {
     let before = files();
     let _ = run(2000).with_code(2);
     assert!(before == files(), "a file of the first run has changed");
+}
+
+#[test]
+fn a_gate_that_cannot_be_computed_leaves_a_complete_record() {
+    let records = Records::new();
+    // The gate starts the plant a second time.
+    let lab = records.path("../lab");
+    fs::create_dir(&lab).expect("a folder");
+    let example = workspace().join("examples/plant-process");
+    let plant = fs::read_to_string(example.join("plant.py")).expect("the example");
+    let once = "import os\nos.mkdir('used')\n";
+    fs::write(lab.join("plant.py"), once.to_owned() + &plant).expect("a plant");
+    fs::copy(example.join("plant.toml"), lab.join("plant.toml")).expect("a scenario");
+    let (scenario, out) = (lab.join("plant.toml"), records.out());
+    let scenario = scenario.to_str().expect("UTF-8");
+    let ended = program::run([
+        "run",
+        scenario,
+        "--device",
+        "inproc",
+        "--set",
+        "run.duration_s=0.1",
+        "--out",
+        &out,
+        "--gate",
+    ]);
+    assert!(ended.code != Some(0) && ended.stderr.contains("FileExistsError"), "{}", ended.stderr);
+    let summary = records.summary();
+    assert_eq!((&summary["verdict"], &summary["end"]), (&"INVALID".into(), &"complete".into()));
+    assert_eq!(records.trace().len(), 100);
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Drives that the bench starts by `exec:`, the drive in C among them: their line, their errors and their end.
 
 use std::fs;
+use std::process::Command;
 use std::time::Instant;
 
 use rustix::process::Signal;
 use tests::battery::{ONE_LAW_SKIPS, all_passed};
 use tests::loss::{assert_reported, scenario_in_progress};
 use tests::program::{self, Ended, Running};
-use tests::{c_drive, processes, wait};
+use tests::{c_drive, processes, wait, workspace};
 
 const SCENARIO: &str = "examples/drive-in-c/scenario.toml";
 
@@ -33,6 +34,41 @@ fn the_drive_in_c_conforms_on_pipes_and_on_a_terminal() {
 fn the_drive_in_c_runs_its_scenario() {
     let ended = run_on(&c_drive::device()).with_code(0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+}
+
+#[test]
+fn a_changed_program_is_named_with_the_first_step_that_differs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (source, drive) = (folder.path().join("source"), folder.path().join("drive"));
+    fs::copy(c_drive::path(), &drive).expect("a drive");
+    let [device, record] =
+        [format!("exec:{}", drive.display()), folder.path().join("a").display().to_string()];
+    let short = ["--set", "run.duration_s=0.2", "--set", "expect=[]", "--out", &record];
+    let _ = program::run(["run", SCENARIO, "--device", &device].iter().chain(&short)).with_code(0);
+    let _ = program::run(["rerun", &record]).with_code(0);
+
+    let example = workspace().join("examples/drive-in-c");
+    fs::create_dir(&source).expect("a folder");
+    for file in fs::read_dir(&example).expect("the example").flatten() {
+        let text = fs::read_to_string(file.path());
+        // A larger step of the encoders, as a typing error would make.
+        let text = text.map(|text| text.replace("TAU = 6.283185307f", "TAU = 6.283186f"));
+        text.map_or(Ok(()), |text| fs::write(source.join(file.file_name()), text)).expect("a source");
+    }
+    let include = format!("LASHLOOP={}", workspace().join("protocol/include").display());
+    let built = Command::new("make")
+        .args(["-B", &include, "CFLAGS=-O1", "DRIVE=../drive.new"])
+        .current_dir(&source)
+        .output()
+        .expect("make starts");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    fs::rename(folder.path().join("drive.new"), &drive).expect("another drive of this name");
+    let rerun = program::run(["rerun", &record]).with_code(1);
+    for words in ["sha256 of drive", "First difference: step 0,", "torque_nm"] {
+        assert!(rerun.stdout.contains(words), "no {words:?} in {}", rerun.stdout);
+    }
+    let replay = program::run(["replay", &record, "--device", &device]).with_code(1);
+    assert!(replay.stdout.contains("\nfirst       step 0, 0 s: recorded "), "{}", replay.stdout);
 }
 
 #[test]

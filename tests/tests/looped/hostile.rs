@@ -1,7 +1,7 @@
 //! Far ends that are no drives, and drives that keep a command waiting: every command ends soon, with one diagnosis.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -11,18 +11,20 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, Message};
+use lashloop_record::reader::Record;
 use tests::program;
 use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 const SCENARIO: &str = "scenarios/smooth-after.toml";
 
-/// Far ends without a good frame, and the words of their diagnosis.
+/// Far ends without a good frame, and the words of their diagnosis. Random bytes arrive as fast as a pipe takes them, the others at
+/// the rate of a line.
 const FAR_ENDS: [(&str, &str); 6] = [
     ("exec:sleep 100", "no byte arrived: no drive, no power, or another port or baud rate"),
     ("exec:cat", "the far end returns the bench's own frames"),
-    ("exec:yes", "the far end sends text, \"y\""),
-    ("exec:cat /dev/zero", "zero bytes alone"),
+    ("exec:sh -c 'while echo y; do sleep 0.01; done'", "the far end sends text, \"y\""),
+    ("exec:sh -c 'while head -c 64 /dev/zero; do sleep 0.01; done'", "zero bytes alone"),
     ("exec:cat /dev/urandom", "no frame of a drive: another baud rate"),
     ("exec:sh -c 'stty sane <$0; exec cat <$0' {tty}", "a terminal in cooked mode echoes"),
 ];
@@ -65,7 +67,8 @@ fn with_evil_texts(message: DriveMessage) -> DriveMessage {
             let name = if it.index < 2 { it.name } else { Text::new(&evil(it.index)) };
             LawDescription { name, ..it }.into()
         }
-        DriveMessage::ChoiceDescription(it) if it.parameter > 0 => {
+        // The scenario chooses "model".
+        DriveMessage::ChoiceDescription(it) if it.name.as_str() != "model" => {
             ChoiceDescription { name: Text::new(&evil(it.choice)), ..it }.into()
         }
         DriveMessage::ParameterDescription(it) => {
@@ -90,7 +93,8 @@ fn assert_harmless(what: &str, text: &str) {
 
 fn assert_files_harmless(folder: &Path) {
     let files = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").path());
-    for file in files.filter(|file| file.extension().is_some_and(|it| it != "pcapng")) {
+    let is_text = |file: &PathBuf| file.extension().is_some_and(|it| it != "pcapng" && it != "mcap");
+    for file in files.filter(is_text) {
         let text = fs::read_to_string(&file).expect("a text");
         assert_harmless(&file.display().to_string(), &text);
     }
@@ -128,6 +132,9 @@ fn text_of_a_drive_reaches_no_output_raw() {
     }
     assert!(shown > 10, "the texts are shown, escaped: {shown}");
     assert_files_harmless(record.as_ref());
+    let logs = Record::read(record.as_ref()).expect("a record").logs;
+    let [log] = &logs[..] else { panic!("one text in the place of an answer: {logs:?}") };
+    assert!((3..=4).contains(&log.step) && log.text.starts_with("Warning: "), "{log:?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod battery;
 mod bit_exact;
 mod budget;
+mod campaign;
 mod capture;
 mod compared;
 mod connect_errors;

@@ -1,8 +1,10 @@
 //! `lashloop soak`: over and over, with more and more going wrong.
 
+use std::fs;
+
 use rustix::process::Signal;
 use tests::program::{self, Running};
-use tests::{processes, wait};
+use tests::{processes, wait, workspace};
 
 /// The runs of each level in the summary.
 fn runs_of_levels(stdout: &str) -> Vec<u64> {
@@ -64,6 +66,38 @@ fn a_drive_that_dies_in_a_soak_is_wrong_and_the_soak_goes_on() {
     let ended = bench.wait().with_code(1);
     assert!(ended.stdout.contains("WRONG run 0: ") && ended.stdout.contains("signal: 9"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("\nFAIL\n"), "{}", ended.stdout);
+}
+
+#[test]
+fn a_soak_that_hangs_leaves_a_record_and_a_forced_one_removes_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (lab, out) = (folder.path().join("lab"), folder.path().join("out"));
+    fs::create_dir(&lab).expect("a folder");
+    let example = workspace().join("examples/plant-process");
+    let plant = fs::read_to_string(example.join("plant.py")).expect("the example");
+    let hanging = plant.replace(
+        "for line in sys.stdin:\n",
+        "import os, time\nfor number, line in enumerate(sys.stdin):\n    if number == 300 and os.path.exists('hang'): time.sleep(1000)\n",
+    );
+    assert_ne!(plant, hanging);
+    fs::write(lab.join("plant.py"), hanging).expect("a plant");
+    fs::copy(example.join("plant.toml"), lab.join("plant.toml")).expect("a scenario");
+    fs::write(lab.join("hang"), "").expect("a mark");
+    let [scenario, out] = [lab.join("plant.toml"), out].map(|path| path.display().to_string());
+    let soak = ["soak", &scenario, "--device", "inproc", "--for", "0.1s", "--out", &out];
+    let short = ["--set", "run.duration_s=0.5", "--set", "plant.step_timeout_ms=600000"];
+    let hang = ["--keep-around", "0.1", "--hang-limit", "2"];
+    let ended = program::run(soak.iter().chain(&short).chain(&hang)).with_code(1);
+    assert!(ended.stderr.contains("run 0 hangs: no step in 2 s"), "{}", ended.stderr);
+    assert!(ended.stdout.contains("run-0"), "{}", ended.stdout);
+    fs::remove_file(lab.join("hang")).expect("the mark");
+    let record = format!("{out}/run-0");
+    let again = program::run(["rerun", &record]).with_code(0);
+    assert!(again.stdout.contains("a part of its run, from 0.2"), "{}", again.stdout);
+    assert!(again.stdout.ends_with("EQUAL bit for bit\n"), "{}", again.stdout);
+    let _ = program::run(soak.iter().chain(&short)).with_code(2);
+    let _ = program::run(soak.iter().chain(&short).chain(&["--force"])).with_code(0);
+    assert_eq!(fs::read_dir(&out).expect("the folder").count(), 0, "records of the earlier soak");
 }
 
 #[test]

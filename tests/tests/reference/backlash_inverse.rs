@@ -3,9 +3,10 @@
 use core::fmt::Write;
 use std::thread;
 
-use lashloop::campaign::plants::RandomPlant;
+use lashloop::campaign::plants::RandomPlants;
 use lashloop_firmware::control::Real;
-use lashloop_plant::Start;
+use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
+use lashloop_plant::{Mechanics, Start};
 
 use crate::both_precisions::BothPrecisions;
 use crate::closed_loop::{Reference, Timing, regulate_to_zero, run};
@@ -104,16 +105,40 @@ fn smooth_gap_needs_no_other_gains() {
     assert!((0.45..0.64).contains(&estimate), "have {estimate} rad");
 }
 
-/// The drive train of a plant of the campaign.
-fn random_drive_train(index: u32) -> DriveTrain {
-    let RandomPlant { mechanics, parameters, counts_per_rev: counts } = RandomPlant::draw(1, index);
+/// The drive train of a plant of the battery.
+fn random_drive_train(plants: &RandomPlants, index: u32) -> DriveTrain {
+    let plant = plants.plant(index).expect("a plant");
+    let number = |key: &str| plant.number(key).unwrap_or_else(|| panic!("a number of {key}"));
+    let mechanics = Mechanics {
+        motor_inertia_kg_m2: number("plant.motor_inertia_kg_m2"),
+        motor_friction_nm_s_rad: number("plant.motor_friction_nm_s_rad"),
+        load_inertia_kg_m2: number("plant.load_inertia_kg_m2"),
+        load_friction_nm_s_rad: number("plant.load_friction_nm_s_rad"),
+        stiffness_nm_rad: number("plant.stiffness_nm_rad"),
+        dead_zone_rad: number("plant.dead_zone_rad"),
+        ..Mechanics::paper()
+    };
+    let friction = |side: &str| StribeckParameters {
+        coulomb_nm: number(&format!("plant.{side}_coulomb_nm")),
+        stiction_nm: number(&format!("plant.{side}_stiction_nm")),
+        velocity_rad_s: number(&format!("plant.{side}_stribeck_rad_s")),
+    };
+    let parameters = ShaftParameters {
+        shaft_damping_nm_s_rad: number("plant.shaft_damping_nm_s_rad"),
+        load: friction("load"),
+        motor: friction("motor"),
+        current_lag_s: number("plant.current_lag_ms") / 1e3,
+        ..ShaftParameters::paper()
+    };
+    let counts = number("encoders.load_counts_per_rev") as u32;
     DriveTrain { mechanics, parameters, counts, ..DriveTrain::paper() }
 }
 
 /// Figures of the backlash inverse, with its default gains, on random drive trains.
 fn on_random_drive_trains<F: Real>(delay_us: u32) -> Vec<Figures> {
+    let plants = RandomPlants::new(1).expect("the plants");
     let drive_trains: Vec<_> =
-        (0..200).map(|index| DriveTrain { delay_us, ..random_drive_train(index) }).collect();
+        (0..200).map(|index| DriveTrain { delay_us, ..random_drive_train(&plants, index) }).collect();
     let run =
         |drive_train: &DriveTrain| Figures::of(&drive_train.regulate(&drive_train.backlash_inverse::<F>()));
     thread::scope(|scope| {

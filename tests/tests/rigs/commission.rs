@@ -3,6 +3,7 @@
 use std::process::{Command, Output};
 
 use tests::program::{self, lashloop};
+use tests::records::Records;
 use tests::terminal;
 use tests::twin::Twin;
 
@@ -69,4 +70,33 @@ fn a_rig_bounds_a_commissioning_and_has_its_encoders_in_bench_mode() {
     let simulated = on_rig(&["--mode", "hil"]).with_code(3);
     assert!(simulated.stderr.contains("torque up to 5 N m"), "{}", simulated.stderr);
     assert!(simulated.stderr.contains("the limit is 0.002 rad"), "{}", simulated.stderr);
+}
+
+#[test]
+fn another_board_is_neither_commissioned_nor_experimented_with() {
+    let (twin, records) = (Twin::start(), Records::new());
+    let limits = "torque_nm = 5.0\nload_travel_rad = 3.2\n[power_stage]\ntorque_per_duty_nm = 62.5";
+    let file = RigFile::with(&twin.device(), "odrive-v3", limits);
+    let (rig, out) = (file.path(), records.out());
+    let commission = ["commission", "--rig", &rig, "--mode", "hil", "--yes"];
+    let experiment = ["experiment", "--rig", &rig, "--out", &out];
+    for arguments in [[&commission[..], &LIMITS[..4]].concat(), experiment.to_vec()] {
+        let ended = program::run(arguments).with_code(4);
+        assert!(ended.stderr.contains("its board is native-twin"), "{}", ended.stderr);
+        assert!(!ended.stderr.contains("about to move"), "{}", ended.stderr);
+        assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
+    }
+}
+
+#[test]
+fn without_the_scale_of_its_amplifier_a_rig_does_not_move() {
+    let (twin, records) = (Twin::start(), Records::new());
+    let file = RigFile::with(&twin.device(), "native-twin", "torque_nm = 5.0\nload_travel_rad = 3.2");
+    let (rig, out) = (file.path(), records.out());
+    let commission = ["commission", "--rig", &rig, "--yes"];
+    let experiment = ["experiment", "--rig", &rig, "--out", &out];
+    for arguments in [[&commission[..], &LIMITS[..4]].concat(), experiment.to_vec()] {
+        let ended = program::run(arguments).with_code(2);
+        assert!(ended.stderr.contains("power_stage.torque_per_duty_nm is missing"), "{}", ended.stderr);
+    }
 }

@@ -14,6 +14,7 @@ mod bench_mode;
 mod commission;
 mod conversation;
 mod equipment;
+mod experiment;
 mod runs;
 
 use std::process::ExitCode;
@@ -25,7 +26,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 17] = [
+const TRIALS: [(&str, Check); 18] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -42,6 +43,7 @@ const TRIALS: [(&str, Check); 17] = [
     ("against_hil::smooth_after_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_AFTER)),
     ("against_hil::friction_after_differs_as_explained", || against_hil::check(bench_mode::FRICTION_AFTER)),
     ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
+    ("experiment::a_person_brings_the_load_to_its_start", experiment::waits_for_the_start),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
         fault_table::check_watchdog_on("silicon");
     }),

@@ -35,7 +35,9 @@ pub(crate) fn speed() {
     let records = Records::new();
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "silicon", "--out", &records.out()];
     let _ = program::run(arguments.into_iter().chain(["--set", DURATION]).chain(PATIENCE));
-    let wall_s = records.summary()["wall_s"].as_f64().expect("a time");
+    let summary = records.summary();
+    assert_eq!(summary["steps"], STEPS, "a run cut short has no speed");
+    let wall_s = summary["wall_s"].as_f64().expect("a time");
     let line = format!("virtual silicon: {:.0} steps/s in lockstep with the bench", STEPS as f64 / wall_s);
     println!("{line}");
     let reports = tests::workspace().join("target/reports");

@@ -20,9 +20,9 @@ use crate::metadata::Root;
 use crate::{code_lines, metadata};
 
 /// Most code lines of all production code.
-const TOTAL: usize = 57_000;
+const TOTAL: usize = 66_000;
 /// Most code lines of the bench loop's crate.
-const BENCH: usize = 13_500;
+const BENCH: usize = 12_000;
 const BENCH_FOLDER: &str = "host/bench";
 /// Most lines of a file, and of the median file.
 const LONGEST_FILE: usize = 400;

@@ -45,6 +45,11 @@ pub(crate) fn warned(machine: &mut Machine) {
         doctor.stdout
     );
     assert!(p50_us(&doctor.stdout) > 12_000.0, "{}", doctor.stdout);
+    let budget =
+        machine.lashloop_as(User::Member, &["budget", "--measured", "/dev/ttyUSB0", "--rounds", "40"]);
+    let budget = budget.with_code(1).stdout;
+    assert!(budget.contains("merzouki       OUTSIDE") || budget.contains("beyond the map"), "{budget}");
+    assert!(budget.contains("remedy         the latency timer is 16 ms and can't be shortened"), "{budget}");
     let mut run = vec!["run", SCENARIO, "--device", "/dev/ttyUSB0"];
     // Few samples again.
     for setting in ["run.duration_s=2.0", "run.control_period_us=10000"] {

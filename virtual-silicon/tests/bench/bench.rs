@@ -3,31 +3,39 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::mpsc::{self, Receiver, Sender};
-use std::thread::{self, JoinHandle};
+use std::thread;
 use std::time::Duration;
 
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_silicon::drive_train::DriveTrain;
-use lashloop_silicon::machine::{self, Ended};
+use lashloop_silicon::machine::Ended;
 use lashloop_silicon::pins::{Bridge, Pins};
 use lashloop_silicon::surroundings::{Arrival, End, Surroundings};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::wiring::{Encoder, Wiring};
+use rigless::emulator::AccessKind;
 
+use crate::machines::Machine;
 use crate::turntable::{self, Speeds};
 
 /// Counter of the motor encoder, TIM3.
 pub const MOTOR_COUNTER: u64 = 0x4000_0424;
-/// Status of the tick, TIM5, which its task clears first.
+/// Status of the tick, TIM5, which its task clears first and reads at its end.
 pub const TICK_STATUS: u64 = 0x4000_0c10;
+/// Time from power-up, or a reset by its pin, to the first turn of the surroundings.
+const FIRST_TURN: Duration = Duration::from_micros(50);
 
 /// The drive's image, as `cargo xtask image` builds it.
 pub fn image() -> Symbols {
     image_of("lashloop-firmware")
 }
 
-/// The image of this name.
-pub fn image_of(name: &str) -> Symbols {
+/// The image of the second board.
+pub fn odrive_image() -> Symbols {
+    image_of("lashloop-firmware-odrive-v3")
+}
+
+fn image_of(name: &str) -> Symbols {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
     Symbols::read(&path).expect("`cargo xtask image` builds the image")
 }
@@ -39,7 +47,7 @@ pub struct Log {
     pub bridge: Vec<(Duration, Bridge)>,
     /// Arrivals at watched instructions.
     pub arrivals: Vec<Arrival>,
-    /// Accesses to [`TICK_STATUS`].
+    /// Starts of a step: writes to [`TICK_STATUS`].
     pub ticks: Vec<Duration>,
     /// Readings of [`MOTOR_COUNTER`], with the counts of both encoders at that instant.
     pub readings: Vec<(Duration, i64, i64)>,
@@ -48,7 +56,7 @@ pub struct Log {
 /// An act of the test on the chip.
 type Act = Box<dyn FnOnce(&mut Pins<'_>, &mut Site) + Send>;
 
-enum Command {
+pub enum Command {
     Act(Act),
     /// Runs the chip until a device time, or until it has sent a frame, and answers with the device time.
     Until(Duration, Option<Sender<Duration>>),
@@ -58,15 +66,31 @@ enum Command {
 pub struct Site {
     pub train: DriveTrain,
     pub log: Log,
+    has_crystal: bool,
+    /// Device time of the first turn of the drive train.
+    first_turn: Duration,
+    /// Instructions that are watched.
+    watched: Vec<u64>,
     commands: Receiver<Command>,
     until: Duration,
     /// Takes the device time of a frame of the chip.
     on_frame: Option<Sender<Duration>>,
 }
 
+impl Site {
+    /// Discards the commands that the test has sent, and refuses further ones.
+    pub fn close(&mut self) {
+        self.commands = mpsc::channel().1;
+    }
+}
+
 impl Surroundings for Site {
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
-        let due = self.train.turn(chip).expect("the turntable turns");
+        let due = if chip.now() < self.first_turn {
+            self.first_turn
+        } else {
+            self.train.turn(chip).expect("the turntable turns")
+        };
         let mut has_frame = || chip.serial_line().received().contains(&DELIMITER);
         if self.on_frame.is_some() && (has_frame() || self.until <= chip.now()) {
             self.until = chip.now();
@@ -88,6 +112,10 @@ impl Surroundings for Site {
         true
     }
 
+    fn crystal_starts(&self) -> bool {
+        self.has_crystal
+    }
+
     fn bridge_changed(&mut self, at: Duration, bridge: Bridge) {
         self.log.bridge.push((at, bridge));
     }
@@ -96,10 +124,10 @@ impl Surroundings for Site {
         self.log.arrivals.push(arrival);
     }
 
-    fn accessed(&mut self, at: Duration, register: u64) {
-        match register {
-            TICK_STATUS => self.log.ticks.push(at),
-            MOTOR_COUNTER => {
+    fn accessed(&mut self, at: Duration, register: u64, kind: AccessKind) {
+        match (register, kind) {
+            (TICK_STATUS, AccessKind::Write) => self.log.ticks.push(at),
+            (MOTOR_COUNTER, AccessKind::Read) => {
                 self.log.readings.push((
                     at,
                     self.train.count(Encoder::Motor),
@@ -113,47 +141,82 @@ impl Surroundings for Site {
 
 /// The board. Dropping it requires that the chip has served every access.
 pub struct Bench {
-    commands: Option<Sender<Command>>,
-    machine: Option<JoinHandle<Ended<Site>>>,
+    machine: Option<Machine>,
     speeds: Speeds,
     now: Duration,
+    /// Resets until the chip was booted for this test.
+    resets: usize,
     resets_allowed: bool,
 }
 
 impl Bench {
     /// Boots an image, with encoders at these counts.
     pub fn boot(image: &Symbols, counts: (i64, i64)) -> Self {
-        Self::boot_on(image, counts, Wiring::F405_BARE)
-    }
-
-    /// Boots an image on a board with this wiring.
-    pub fn boot_on(image: &Symbols, counts: (i64, i64), wiring: Wiring) -> Self {
         let speeds = Speeds::default();
         let train = turntable::drive_train(&speeds, counts);
-        let mut bench = Self::boot_with(image, train, wiring);
+        let mut bench = Self::boot_with(image, train);
         bench.speeds = speeds;
         bench
     }
 
     /// Boots an image with this drive train, which takes no speeds.
-    pub fn boot_with(image: &Symbols, train: DriveTrain, wiring: Wiring) -> Self {
-        let (commands, receiver) = mpsc::channel();
-        let site =
-            Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
-        let image = image.image().expect("an image");
-        let machine = thread::spawn(move || machine::run(image, wiring, site).expect("the image runs"));
-        Self {
-            commands: Some(commands),
-            machine: Some(machine),
-            speeds: Speeds::default(),
-            now: Duration::from_micros(50),
-            resets_allowed: false,
+    pub fn boot_with(image: &Symbols, train: DriveTrain) -> Self {
+        match Machine::take_over(image) {
+            Some(machine) => Self::reset(machine, train),
+            None => Self::power_up(image, train, true),
         }
+    }
+
+    /// As [`Self::boot`], at a chip that had no power before, with a crystal or with one that doesn't start.
+    pub fn power_up_at_rest(image: &Symbols, has_crystal: bool) -> Self {
+        let train = turntable::drive_train(&Speeds::default(), (0, 0));
+        Self::power_up(image, train, has_crystal)
+    }
+
+    fn power_up(image: &Symbols, train: DriveTrain, has_crystal: bool) -> Self {
+        let board = image.board().expect("an image").expect("the image names its board");
+        let wiring = Wiring::of_board(&board).expect("the pins of the board");
+        let machine = Machine::power_up(image, wiring, |commands| Site {
+            train,
+            log: Log::default(),
+            has_crystal,
+            first_turn: Duration::ZERO,
+            watched: Vec::new(),
+            commands,
+            until: Duration::ZERO,
+            on_frame: None,
+        });
+        Self::of(machine, FIRST_TURN, 0)
+    }
+
+    /// Boots the image of a machine by the reset pin of its chip.
+    fn reset(machine: Machine, train: DriveTrain) -> Self {
+        let mut bench = Self::of(machine, Duration::ZERO, 0);
+        (bench.now, bench.resets) = bench.act(move |chip, site| {
+            site.watched.drain(..).for_each(|address| chip.unwatch(address));
+            chip.reset();
+            (site.train, site.log, site.has_crystal) = (train, Log::default(), true);
+            site.first_turn = chip.now() + FIRST_TURN;
+            (chip.now(), chip.resets())
+        });
+        bench
+    }
+
+    fn of(machine: Machine, now: Duration, resets: usize) -> Self {
+        Self { machine: Some(machine), speeds: Speeds::default(), now, resets, resets_allowed: false }
     }
 
     /// The chip may reset itself.
     pub fn allow_resets(&mut self) {
         self.resets_allowed = true;
+    }
+
+    /// Logs every arrival of the core at this instruction.
+    pub fn watch(&mut self, address: u64) {
+        self.act(move |chip, site| {
+            chip.watch(address).expect("a watch");
+            site.watched.push(address);
+        });
     }
 
     /// Device time.
@@ -181,12 +244,11 @@ impl Bench {
         self.now = answers.recv().unwrap_or_else(|_| self.ended_early());
     }
 
-    /// Runs the chip until an access that it doesn't serve, or until a device time.
+    /// Runs the chip until an access that it doesn't serve, or until a device time. The resets are those of this test.
     pub fn end(mut self, latest: Duration) -> Ended<Site> {
         self.command(Command::Until(latest, None));
-        self.commands = None;
-        let machine = self.machine.take().expect("one end");
-        machine.join().expect("the machine didn't panic")
+        let ended = self.machine.take().expect("one end").end();
+        Ended { resets: ended.resets - self.resets, ..ended }
     }
 
     /// Acts on the chip, now.
@@ -221,39 +283,34 @@ impl Bench {
     /// The bridge was off at `instant`.
     pub fn time_to_off(&mut self, instant: Duration) -> Option<Duration> {
         let changes = self.act(|_, site| site.log.bridge.clone());
-        let is_on = |bridge: &Bridge| bridge.driving().is_some();
         let before = changes.iter().rfind(|(at, _)| *at < instant).expect("a bridge");
-        assert!(is_on(&before.1), "off since {:?}, before {instant:?}", before.0);
-        let last_on = changes.iter().rposition(|(_, bridge)| is_on(bridge)).expect("it was on");
+        assert!(before.1.is_on(), "off since {:?}, before {instant:?}", before.0);
+        let last_on = changes.iter().rposition(|(_, bridge)| bridge.is_on()).expect("it was on");
         changes.get(last_on + 1).map(|(at, _)| at.saturating_sub(instant))
     }
 
     fn command(&mut self, command: Command) {
-        let sent = self.commands.as_ref().is_some_and(|commands| commands.send(command).is_ok());
-        if !sent {
+        if !self.machine.as_ref().is_some_and(|machine| machine.send(command)) {
             self.ended_early();
         }
     }
 
     fn ended_early(&mut self) -> ! {
-        let ended = self.machine.take().expect("one end").join();
-        match ended {
-            Ok(ended) => panic!("the run ended at {:?}: {}", ended.device_time, ended.violations),
-            Err(_) => panic!("the machine panicked"),
-        }
+        let ended = self.machine.take().expect("one end").end();
+        panic!("the run ended at {:?}: {}", ended.device_time, ended.violations)
     }
 }
 
 impl Drop for Bench {
     fn drop(&mut self) {
-        self.commands = None;
-        let Some(machine) = self.machine.take() else { return };
-        let ended = machine.join();
-        if thread::panicking() {
+        if self.machine.is_none() || thread::panicking() {
             return;
         }
-        let ended = ended.expect("the machine didn't panic");
-        assert_eq!((ended.violations.to_string(), ended.end), (String::new(), Some(End::Done)));
-        assert!(self.resets_allowed || ended.resets == 0, "{} resets", ended.resets);
+        // Ends early if the chip has not served every access.
+        let resets = self.act(|chip, _| chip.resets()) - self.resets;
+        assert!(self.resets_allowed || resets == 0, "{resets} resets");
+        if let Some(machine) = self.machine.take() {
+            machine.leave();
+        }
     }
 }

@@ -5,23 +5,20 @@ use std::time::Duration;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::Stop;
-use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::wiring::{Encoder, Wiring};
 
-use crate::bench::{Bench, image_of};
+use crate::bench::odrive_image;
+use crate::causes::CAUSES;
 use crate::host::{Host, SESSION};
+use crate::time_to_off::of_each;
 
 /// Dead time of 20 cycles of 168 MHz, as a fraction of the period of 50 us.
 const DEAD_TIME: f64 = 20.0 / 8_400.0;
 /// A nanosecond of each pulse, and a cycle.
 const RESOLUTION: f64 = 2.0 / 50_000.0 + 1.0 / 8_400.0;
 
-fn odrive() -> Symbols {
-    image_of("lashloop-firmware-odrive-v3")
-}
-
 fn idle() -> Host {
-    let mut host = Host::of(Bench::boot_on(&odrive(), (0, 0), Wiring::ODRIVE_V3));
+    let mut host = Host::at(&odrive_image(), (0, 0));
     host.set_all(&[]);
     host
 }
@@ -30,11 +27,11 @@ fn idle() -> Host {
 fn an_odrive_boots_with_its_gates_off_and_reports_its_board() {
     let mut host = idle();
     assert_eq!(host.shake_hands(SESSION).board.as_str(), "odrive-v3");
-    assert_eq!(host.bench.act(|chip, _| chip.unconnected()), [""; 0]);
+    assert_eq!(host.bench.act(|chip, _| chip.misconfigured()), [""; 0]);
     let Wiring { high, unused_gates, .. } = Wiring::ODRIVE_V3;
-    for (pins, wanted) in [(high, (true, true)), (unused_gates, (false, false))] {
+    for (pins, is_high) in [(high, true), (unused_gates, false)] {
         for pin in pins {
-            assert_eq!(host.bench.act(|chip, _| chip.output(*pin)), wanted, "{pin}");
+            assert_eq!(host.bench.act(|chip, _| chip.is_high(*pin)), is_high, "{pin}");
         }
     }
     let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
@@ -99,4 +96,16 @@ fn the_fault_line_of_an_odrive_refuses_to_arm_and_stops_a_run_within_a_period() 
     assert!(off <= Duration::from_millis(1), "{off:?}");
     let [fault] = host.faults()[..] else { panic!("one fault") };
     assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 2));
+}
+
+#[test]
+fn every_cause_without_a_break_input_turns_off_all_gates_of_an_odrive() {
+    const INSTANT: (Duration, f64) = (Duration::from_millis(1), 0.61);
+    let causes: Vec<_> = CAUSES.iter().filter(|cause| !cause.name.starts_with("break ")).collect();
+    let image = odrive_image();
+    let measured = of_each(&causes, |cause| cause.times_to_off(&image, &[INSTANT])[0]);
+    for (cause, off) in causes.iter().zip(measured) {
+        let limit = (cause.limit)(INSTANT.0);
+        assert!(off.is_some_and(|off| off <= limit), "{}: off after {off:?}, limit {limit:?}", cause.name);
+    }
 }

@@ -3,15 +3,17 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::State;
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use crate::bench::{Bench, image};
 use crate::host::{Host, SESSION};
 
 #[test]
 fn the_image_boots_from_the_crystal_with_every_pin_connected() {
-    let mut bench = Bench::boot(&image(), (0, 0));
+    let mut bench = Bench::power_up_at_rest(&image(), true);
     bench.advance(Duration::from_millis(200));
-    assert_eq!(bench.act(|chip, _| chip.unconnected()), [""; 0]);
+    assert_eq!(bench.act(|chip, _| chip.misconfigured()), [""; 0]);
     // 1 ms of the crystal, exact; the oscillator inside the chip is not.
     let ticks = bench.act(|_, site| site.log.ticks.clone());
     let periods: Vec<_> = ticks.windows(2).map(|pair| pair[1] - pair[0]).skip(1).collect();
@@ -22,14 +24,14 @@ fn the_image_boots_from_the_crystal_with_every_pin_connected() {
 
 #[test]
 fn a_core_halted_by_a_debugger_stops_the_pwm_and_not_the_watchdog() {
-    let mut bench = Bench::boot(&image(), (0, 0));
+    let mut bench = Bench::power_up_at_rest(&image(), true);
     bench.advance(Duration::from_millis(200));
     assert_eq!(bench.act(|chip, _| chip.halted_by_debugger()), (true, true));
 }
 
 #[test]
 fn a_booted_drive_is_off_and_describes_its_bench_mode() {
-    let mut host = Host::at(&image(), (0, 0));
+    let mut host = Host::of(Bench::power_up_at_rest(&image(), true));
     let identity = host.shake_hands(SESSION);
     assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
     assert_eq!(
@@ -38,4 +40,39 @@ fn a_booted_drive_is_off_and_describes_its_bench_mode() {
     );
     let changes = host.bench.act(|_, site| site.log.bridge.clone());
     assert!(changes.iter().all(|(_, bridge)| !bridge.is_enabled && !bridge.has_main_output), "{changes:?}");
+}
+
+/// The drive as after power-up, but no motor turns.
+#[test]
+fn without_a_crystal_the_drive_reports_it_and_has_no_bench_mode() {
+    let mut bench = Bench::power_up_at_rest(&image(), false);
+    // 0.1 s of waiting for the crystal.
+    bench.advance(Duration::from_millis(180));
+    let mut host = Host::of(bench);
+    let logs = host.take(|message| match message {
+        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
+        _ => None,
+    });
+    assert_eq!(logs, ["no crystal: clock 1% RC, no bench mode"]);
+    let identity = host.shake_hands(SESSION);
+    assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
+    let names = host.names();
+    assert!(!names.iter().any(|name| name == "sample_source"), "{names:?}");
+    // Samples come from the host, and the power stage stays off under their torque.
+    host.run();
+    let mut torques_nm = Vec::new();
+    for sequence in 0..5 {
+        let at_rest = EncoderCounts::wrapping(0);
+        let sample =
+            EncoderSample { sequence, motor_counts: at_rest, load_counts: at_rest, reference_rad: 0.3 };
+        torques_nm.push(host.exchange(sample, |message| match message {
+            DriveMessage::TorqueAnswer(answer) => Some(answer.torque_nm),
+            _ => None,
+        }));
+    }
+    assert!(torques_nm.iter().all(|it| *it > 0.0), "{torques_nm:?}");
+    let (changes, is_internal) =
+        host.bench.act(|chip, site| (site.log.bridge.clone(), chip.clocks_are_internal()));
+    assert!(changes.iter().all(|(_, bridge)| !bridge.is_enabled && !bridge.has_main_output), "{changes:?}");
+    assert!(is_internal, "the clock is not that of the crystal");
 }

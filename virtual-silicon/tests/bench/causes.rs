@@ -1,32 +1,32 @@
 //! The causes for which the bridge turns off, and how a test brings them about in an image that is otherwise unmodified.
 //!
-//! A failure of the firmware itself is code in place of `Drive::send_description`, the answer to a request that no run needs.
+//! A failure of the firmware itself is code in RAM, to which an answer to a request that no run needs jumps, or a function of a law.
 
 use std::f64::consts::TAU;
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
-use lashloop_protocol::message::{ClearFault, DescribeLaw, EmergencyStop, FaultReport, Hello, Reset, Stop};
+use lashloop_protocol::message::{DescribeLaw, EmergencyStop, Hello, Reset, Stop};
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, UNDEFINED};
+use lashloop_silicon::wiring::Encoder;
 
 use crate::failures::{
-    FLAG, interrupting, never_ending, panicking, returning_the_flag, serving_no_more, stopping_the_tick,
-    taking_time,
+    FLAG, PLACE, interrupting, locking_up, never_ending, panicking, returning_the_flag, serving_no_more,
+    stopping_the_tick, taking_time,
 };
 use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
+const US: Duration = Duration::from_micros(1);
 /// The default of `watchdog_us`.
 const WATCHDOG: Duration = Duration::from_millis(20);
-const DRIVE_TRAIN_STEP: Duration = Duration::from_micros(50);
+/// Longer than a step.
+const LONGEST_STEP: Duration = Duration::from_micros(20);
 /// Speed of an encoder that exceeds its limit.
 const COUNTS_PER_S: f64 = 16e6;
-/// The function that gets the code of a failure.
-pub const SITE: &str = "send_description";
-/// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
-const FUNCTION: &str = "tanhf";
+/// Index of the law that calls the function of the failures.
 const LAW_OF_FUNCTION: u32 = 1;
 
 /// A cause of turning the bridge off.
@@ -38,8 +38,10 @@ pub struct Cause {
     pub by: &'static str,
     /// Longest time from the instant to the bridge off, at this period.
     pub limit: fn(Duration) -> Duration,
-    /// Puts the failure into the image.
-    pub prepare: fn(Symbols) -> Symbols,
+    /// Code of the failure; `None` for a cause outside the firmware.
+    pub code: Option<fn(&Symbols) -> Code>,
+    /// What the drive needs before, as long as it takes.
+    pub prepare: fn(&mut Host),
     /// Brings the cause about in a running drive. Returns the instant.
     pub happen: fn(&mut Host) -> Duration,
     /// The fault that the drive reports; `None` if it reports none.
@@ -55,7 +57,8 @@ const ON_REQUEST: Cause = Cause {
     from: "last byte received",
     by: "the task that receives it",
     limit: |period| period,
-    prepare: |image| image,
+    code: None,
+    prepare: |_| {},
     happen: |_| unreachable!("every cause has its own"),
     fault: None,
     is_referred: true,
@@ -69,23 +72,30 @@ const IN_HANDLER: Cause = Cause {
     halts: true,
     ..ON_REQUEST
 };
-
-pub const CAUSES: [Cause; 18] = [
-    Cause {
-        name: "panic",
-        prepare: |image| with(&image, panicking(&image)),
-        fault: Some(FaultCode::Panic),
-        ..IN_HANDLER
+/// No task feeds the independent watchdog any more.
+const STOPPED: Cause = Cause {
+    by: "the independent watchdog, at 32 kHz",
+    // 5 ms, and a count of the watchdog.
+    limit: |_| Duration::from_micros(5_200),
+    happen: |host| {
+        host.bench.allow_resets();
+        fail(host)
     },
+    is_referred: false,
+    ..IN_HANDLER
+};
+
+pub const CAUSES: [Cause; 19] = [
+    Cause { name: "panic", code: Some(panicking), fault: Some(FaultCode::Panic), ..IN_HANDLER },
     Cause {
         name: "HardFault",
-        prepare: |image| with(&image, |_| Code::default().halfword(UNDEFINED)),
+        code: Some(|_| Code::default().halfword(UNDEFINED)),
         fault: Some(FaultCode::ProcessorFault),
         ..IN_HANDLER
     },
     Cause {
         name: "unexpected interrupt",
-        prepare: |image| with(&image, |_| interrupting()),
+        code: Some(|_| interrupting()),
         fault: Some(FaultCode::ProcessorFault),
         ..IN_HANDLER
     },
@@ -111,7 +121,7 @@ pub const CAUSES: [Cause; 18] = [
         name: "requests no longer served",
         from: "end of watchdog_us",
         by: "the next tick",
-        prepare: |image| with(&image, |_| serving_no_more()),
+        code: Some(|_| serving_no_more()),
         happen: |host| {
             let last = host.refer(1.0);
             host.bench.advance(host.period / 2);
@@ -133,16 +143,27 @@ pub const CAUSES: [Cause; 18] = [
         name: "encoder faster than its limit",
         from: "the count that exceeds it",
         by: "the next tick",
-        happen: |host| {
+        prepare: |host| {
             host.command(Stop {});
             let limit = ParameterValue::F32(10.0);
             assert_eq!(host.set("motor_speed_limit_rad_s", limit), Outcome::Accepted);
             host.run_under_torque();
+        },
+        happen: |host| {
             let counts_in_period = 10.0 / TAU * 131_072.0 * host.period.as_secs_f64();
             host.bench.turn(COUNTS_PER_S, 0.0);
-            // The drive train takes the speed at its next step; one count may be that of a border.
-            let takes = Duration::from_secs_f64((counts_in_period + 1.0) / COUNTS_PER_S);
-            host.bench.now() + DRIVE_TRAIN_STEP + takes
+            loop {
+                host.bench.advance(US);
+                let (read_at, moved) = host.bench.act(|_, site| {
+                    let (at, count, _) = *site.log.readings.last().expect("a reading");
+                    (at, site.train.count(Encoder::Motor) - count)
+                });
+                // One count may be that of a border.
+                if moved >= counts_in_period as i64 + 2 {
+                    // What comes during a step, after its reading, counts from the end of the step.
+                    return (host.bench.now() - US).max(read_at + LONGEST_STEP);
+                }
+            }
         },
         fault: Some(FaultCode::MotorEncoderJump),
         ..ON_REQUEST
@@ -151,10 +172,11 @@ pub const CAUSES: [Cause; 18] = [
         name: "torque not finite",
         from: "the value",
         by: "the next tick",
-        prepare: |image| image.with_code(FUNCTION, |_| returning_the_flag()).expect("a function of the law"),
+        code: Some(|_| returning_the_flag()),
+        prepare: run_law_of_function,
         happen: |host| {
-            set_flag(host, 0);
-            run_law_of_function(host);
+            // A value that comes after its use in a step is one of the next step.
+            end_step(host);
             set_flag(host, f32::NAN.to_bits());
             host.bench.now()
         },
@@ -165,10 +187,10 @@ pub const CAUSES: [Cause; 18] = [
         name: "step of 1.4 periods",
         from: "end of its period",
         by: "the step",
-        prepare: |image| image.with_code(FUNCTION, |_| taking_time()).expect("a function of the law"),
+        code: Some(|_| taking_time()),
+        prepare: run_law_of_function,
         happen: |host| {
-            set_flag(host, 0);
-            run_law_of_function(host);
+            end_step(host);
             let due = last_tick(host) + host.period;
             // Two instructions of 168 MHz each.
             set_flag(host, (1.4 * host.period.as_secs_f64() * 84e6) as u32);
@@ -181,10 +203,10 @@ pub const CAUSES: [Cause; 18] = [
         name: "step that never ends",
         from: "end of its period",
         by: "the monitor of the tick",
-        prepare: |image| image.with_code(FUNCTION, |_| never_ending()).expect("a function of the law"),
+        code: Some(|_| never_ending()),
+        prepare: run_law_of_function,
         happen: |host| {
-            set_flag(host, 0);
-            run_law_of_function(host);
+            end_step(host);
             // The independent watchdog follows.
             host.bench.allow_resets();
             let due = last_tick(host) + host.period;
@@ -199,7 +221,7 @@ pub const CAUSES: [Cause; 18] = [
         name: "tick missing",
         from: "its due time",
         by: "the monitor of the tick",
-        prepare: |image| with(&image, |_| stopping_the_tick()),
+        code: Some(|_| stopping_the_tick()),
         happen: |host| {
             fail(host);
             last_tick(host) + host.period
@@ -210,18 +232,10 @@ pub const CAUSES: [Cause; 18] = [
     },
     Cause {
         name: "all tasks stopped",
-        from: "the instruction",
-        by: "the independent watchdog, at 32 kHz",
-        // 5 ms, and a count of the watchdog.
-        limit: |_| Duration::from_micros(5_200),
-        prepare: |image| with(&image, |_| Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER])),
-        happen: |host| {
-            host.bench.allow_resets();
-            fail(host)
-        },
-        is_referred: false,
-        ..IN_HANDLER
+        code: Some(|_| Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER])),
+        ..STOPPED
     },
+    Cause { name: "lock-up: a fault at the priority of HardFault", code: Some(|_| locking_up()), ..STOPPED },
     Cause {
         name: "break input",
         from: "the edge",
@@ -249,76 +263,9 @@ pub fn cause(name: &str) -> &'static Cause {
     CAUSES.iter().find(|cause| cause.name == name).unwrap_or_else(|| panic!("no cause {name}"))
 }
 
-impl Cause {
-    /// Device time from the cause to the bridge off in this image, at each of these control periods and fractions of it at which
-    /// the cause comes; `None` if the bridge is on for 5 ms more than it may.
-    pub fn times_to_off(&self, image: &Symbols, instants: &[(Duration, f64)]) -> Vec<Option<Duration>> {
-        let mut host = Host::under_torque(&(self.prepare)(image.clone()), instants[0].0);
-        let mut times = Vec::new();
-        for (k, (period, phase)) in instants.iter().enumerate() {
-            if k > 0 {
-                host.period = *period;
-                recover(&mut host);
-            }
-            host.bench.advance(period.mul_f64(*phase));
-            let instant = (self.happen)(&mut host);
-            let limit = (self.limit)(*period);
-            let end = instant + limit + 5 * MS;
-            while host.bench.now() < end {
-                if self.is_referred {
-                    host.refer(1.0);
-                }
-                host.bench.advance(MS);
-            }
-            let off = host.bench.time_to_off(instant);
-            if off.is_some_and(|off| off <= limit) {
-                let faults: Vec<_> = host.faults().iter().map(|report| report.code).collect();
-                assert_eq!(faults, Vec::from_iter(self.fault), "{}", self.name);
-            } else {
-                // The test fails, or the image is a mutant whose watchdog resets it.
-                host.bench.allow_resets();
-            }
-            assert!(off.is_some() || k == 0, "{}: off and on again", self.name);
-            times.push(off);
-            if off.is_none() {
-                break;
-            }
-        }
-        times
-    }
-}
-
-/// From any state of a drive that is not halted to a run under torque.
-fn recover(host: &mut Host) {
-    host.bench.turn(0.0, 0.0);
-    host.bench.act(|chip, _| chip.drive_break(Some(false)));
-    host.bench.advance(2 * MS);
-    host.shake_hands(SESSION);
-    host.command(ClearFault {});
-    // The identity repeats a latched fault.
-    host.faults();
-    host.command(Reset {});
-    host.shake_hands(SESSION);
-    host.set_all(&[]);
-    host.run_under_torque();
-    // Ticks of the former period are no measure of lateness.
-    host.bench.act(|_, site| site.log.ticks.clear());
-    host.steps(3, 1.0);
-}
-
-/// The fault report of a failure of the firmware, which comes while the report of a step is on the line.
-pub fn report_of(cause: &Cause) -> FaultReport {
-    let mut host = Host::under_torque(&(cause.prepare)(crate::bench::image()), MS);
-    host.expects_cut_frame = true;
-    fail(&mut host);
-    let [report] = host.faults()[..] else { panic!("{}: one report", cause.name) };
-    report
-}
-
-/// Requests the failure that was put into the image. Returns its instant.
-fn fail(host: &mut Host) -> Duration {
-    let site = crate::bench::image().function(SITE).expect("the site of the failures");
-    host.bench.act(move |chip, _| chip.watch(site)).expect("a watch");
+/// Requests the failure that was put into its place. Returns its instant.
+pub fn fail(host: &mut Host) -> Duration {
+    host.bench.watch(PLACE.into());
     host.send(HostMessage::from(DescribeLaw { index: 0 }));
     host.bench.advance(2 * MS);
     host.bench.act(|_, site| site.log.arrivals.last().map(|it| it.at)).expect("the failure happened")
@@ -332,8 +279,15 @@ fn switch_break(host: &mut Host, level: Option<bool>) -> Duration {
     })
 }
 
-/// Changes to the law that calls [`FUNCTION`].
+/// Ends the step that a tick has begun.
+fn end_step(host: &mut Host) {
+    let tick = last_tick(host);
+    host.bench.advance_to(tick + LONGEST_STEP);
+}
+
+/// Changes to the law that calls the function of the failures.
 fn run_law_of_function(host: &mut Host) {
+    set_flag(host, 0);
     host.command(Stop {});
     assert_eq!(host.set("controller", ParameterValue::U32(LAW_OF_FUNCTION)), Outcome::Accepted);
     host.run_under_torque();
@@ -344,15 +298,11 @@ fn set_flag(host: &mut Host, value: u32) {
 }
 
 /// Due time of the latest tick: the earliest start of a task among the ticks so far has no delay.
-fn last_tick(host: &mut Host) -> Duration {
+pub fn last_tick(host: &mut Host) -> Duration {
     let ticks = host.bench.act(|_, site| site.log.ticks.clone());
     let last = *ticks.last().expect("a tick");
     let (period, half) = (host.period.as_nanos() as i64, host.period.as_nanos() as i64 / 2);
     let later_than = |tick: &Duration| ((last - *tick).as_nanos() as i64 + half) % period - half;
     let late = ticks.iter().rev().take(8).map(later_than).max().expect("ticks");
     last - Duration::from_nanos(late as u64)
-}
-
-fn with(image: &Symbols, code: impl FnOnce(u64) -> Code) -> Symbols {
-    image.with_code(SITE, code).expect("the site of the failures")
 }

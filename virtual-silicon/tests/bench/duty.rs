@@ -9,7 +9,7 @@ use lashloop_silicon::pins::Bridge;
 use crate::bench::image;
 use crate::host::{BENCH, Host};
 
-const OFF: Bridge = Bridge { duty: None, is_enabled: false, has_main_output: false };
+const OFF: Bridge = Bridge { duty: None, is_enabled: false, has_main_output: false, has_active_gate: false };
 /// Half a count of the modulation, and the nanosecond of the pulse's reading.
 const RESOLUTION: f64 = 0.5 / 8_400.0 + 1.0 / 50_000.0;
 
@@ -104,7 +104,8 @@ fn the_outputs_are_low_unless_running() {
     assert_eq!(host.bench.bridge(), OFF, "an armed drive");
     host.start();
     let on = host.bench.bridge();
-    assert_eq!(on, Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true }, "no torque yet");
+    let want = Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true, has_active_gate: true };
+    assert_eq!(on, want, "no torque yet");
     host.command(Stop {});
     assert_eq!(host.bench.bridge(), OFF, "a stopped drive");
     let levels = host.bench.act(|chip, _| chip.output_levels());

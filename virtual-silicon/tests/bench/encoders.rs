@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{FaultCode, ParameterValue};
+use lashloop_protocol::enums::{FaultCode, ParameterValue, TorqueFlags};
 use lashloop_protocol::message::BenchSample;
 use lashloop_silicon::quadrature::Channel;
 use lashloop_silicon::wiring::Encoder;
@@ -105,10 +105,7 @@ fn lost_at(counts_per_s: f64) -> (i32, i32) {
 fn no_count_is_lost_up_to_the_default_speed_limit() {
     // 1000 rad/s of 131,072 counts per revolution are 20.9 million counts per second.
     let speeds = [1e6, 5e6, 12e6, 20.8e6];
-    let lost: Vec<_> = std::thread::scope(|scope| {
-        let threads: Vec<_> = speeds.iter().map(|speed| scope.spawn(|| lost_at(*speed))).collect();
-        threads.into_iter().map(|thread| thread.join().expect("a count")).collect()
-    });
+    let lost = speeds.map(lost_at);
     let lines: Vec<String> = speeds
         .iter()
         .zip(&lost)
@@ -131,6 +128,13 @@ fn a_reversed_encoder_counts_the_other_way() {
     assert_eq!(counts(&sample), wrapping((-motor, -load)));
 }
 
+const CHANNELS: [(Encoder, Channel); 4] = [
+    (Encoder::Motor, Channel::A),
+    (Encoder::Motor, Channel::B),
+    (Encoder::Load, Channel::A),
+    (Encoder::Load, Channel::B),
+];
+
 /// Cuts a channel while both encoders turn as at a gear of 3:1. Returns the fault, and the periods until the bridge was off.
 fn cut(encoder: Encoder, channel: Channel) -> (FaultCode, Duration) {
     let mut host = Host::at(&image(), (0, 0));
@@ -150,11 +154,8 @@ fn cut(encoder: Encoder, channel: Channel) -> (FaultCode, Duration) {
 
 #[test]
 fn a_lost_channel_is_noticed_within_the_twist_limit() {
-    let channels = [Channel::A, Channel::B];
-    let cases =
-        [Encoder::Motor, Encoder::Load].into_iter().flat_map(|encoder| channels.map(|it| (encoder, it)));
     let mut lines = Vec::new();
-    for (encoder, channel) in cases {
+    for (encoder, channel) in CHANNELS {
         let (fault, off) = cut(encoder, channel);
         let want = match encoder {
             Encoder::Motor => FaultCode::MotorEncoderLost,
@@ -170,4 +171,33 @@ fn a_lost_channel_is_noticed_within_the_twist_limit() {
         ));
     }
     report::write("bridge-off-encoder", &lines);
+}
+
+/// Nothing distinguishes encoders without supply from a drive train that friction holds.
+#[test]
+fn encoders_lost_at_once_leave_the_torque_limit_and_the_break_wire() {
+    let mut host = Host::at(&image(), (0, 0));
+    host.set_all(&[
+        ("twist_limit_rad", ParameterValue::F32(0.5)),
+        ("torque_limit_nm", ParameterValue::F32(30.0)),
+    ]);
+    host.run();
+    host.bench.turn(3e5, 1e5);
+    host.steps(10, 0.0);
+    host.bench.act(|chip, site| {
+        for (encoder, channel) in CHANNELS {
+            site.train.cut(chip, encoder, channel);
+        }
+    });
+    let samples = host.steps(60, 1_000.0);
+    let (_, still) = samples.split_at(10);
+    assert!(still.windows(2).all(|pair| counts(&pair[0]) == counts(&pair[1])), "{still:?}");
+    for sample in still {
+        assert_eq!((sample.torque_nm, sample.status.flags), (30.0, TorqueFlags::SATURATED));
+    }
+    assert_eq!(host.faults(), []);
+    assert!(host.bench.bridge().is_on());
+    // The supply of the encoders opens the break wire, as the page advises.
+    host.bench.act(|chip, _| chip.drive_break(None));
+    assert!(!host.bench.bridge().is_on());
 }

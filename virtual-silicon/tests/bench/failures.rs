@@ -1,23 +1,43 @@
-//! Code for failures of the firmware, in place of functions of an image.
+//! Code for failures of the firmware.
+//!
+//! Two functions of an image jump to a place in RAM, where a test puts the code of a failure. So one image serves all failures.
 
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::thumb::{Code, FOREVER, RETURN};
+use lashloop_silicon::thumb::{Code, FOREVER, RETURN, UNDEFINED};
+
+/// The answer to a request that no run needs.
+const SITE: &str = "send_description";
+/// A function that one law calls in every step. In place of it, the argument is the value.
+const FUNCTION: &str = "tanhf";
+/// Where a test puts the code: RAM between variables and stack.
+pub const PLACE: u32 = 0x2001_1000;
 
 /// A word of RAM between variables and stack, by which a test controls code.
 pub const FLAG: u32 = 0x2001_0000;
 /// Line of the source that a made panic reports.
 pub const PANIC_LINE: u32 = 4_711;
 
+/// The image with both functions as jumps to [`PLACE`].
+pub fn failing(image: &Symbols) -> Symbols {
+    [SITE, FUNCTION].into_iter().fold(image.clone(), |image, function| {
+        image.with_code(function, |_| Code::default().jump(PLACE.into())).expect("a function of the image")
+    })
+}
+
 /// A panic of core with the location of a line of its own.
-pub fn panicking(image: &Symbols) -> impl FnOnce(u64) -> Code {
+pub fn panicking(image: &Symbols) -> Code {
     let panic = image.function("option::unwrap_failed").expect("a function of core");
-    move |address| {
-        // Four instructions to load two registers, one to jump, one to align.
-        let location = address as u32 + 20;
-        let jump = Code::default().load(0, location).jump(panic);
-        // File, its length, line, column.
-        jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
-    }
+    // Four instructions to load two registers, one to jump, one to align.
+    let location = PLACE + 20;
+    let jump = Code::default().load(0, location).jump(panic);
+    // File, its length, line, column.
+    jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
+}
+
+/// A processor fault at the priority of its own handler, to which FAULTMASK raises the core.
+pub fn locking_up() -> Code {
+    // cpsid f
+    Code::default().halfwords(&[0xb671, UNDEFINED])
 }
 
 /// Pends the interrupt of TIM7, number 55, which no task handles.

@@ -13,8 +13,8 @@ use lashloop_silicon::symbols::Symbols;
 use crate::bench::Bench;
 
 pub const SESSION: u32 = 0x5e55_1014;
-/// Device time at which the image has been up for long.
-pub const BOOTED_AT: Duration = Duration::from_millis(20);
+/// Time after which the image has been up for long.
+const BOOT: Duration = Duration::from_millis(20);
 /// A byte on the line: 10 bits of 42 MHz by 46.
 pub const BYTE: Duration = Duration::from_nanos(10_953);
 /// Most that an answer takes.
@@ -24,7 +24,7 @@ const ANSWER: Duration = Duration::from_millis(10);
 pub const BENCH: [(&str, ParameterValue); 2] =
     [("sample_source", ParameterValue::U32(1)), ("torque_per_duty_nm", ParameterValue::F32(100.0))];
 
-/// Names of the parameters, by their indices: all images of these tests have the same.
+/// Names of the parameters, by their indices: all images with bench mode have the same.
 static PARAMETERS: OnceLock<Vec<String>> = OnceLock::new();
 
 /// A host of a drive on virtual silicon.
@@ -33,7 +33,6 @@ pub struct Host {
     decoder: Decoder,
     /// Messages that no test has taken.
     inbox: Vec<DriveMessage>,
-    parameters: &'static [String],
     number: u16,
     /// Control period of the drive, as [`Self::set_all`] sets it.
     pub period: Duration,
@@ -49,19 +48,23 @@ impl Host {
 
     /// A host of this board, in a session.
     pub fn of(mut bench: Bench) -> Self {
-        bench.advance_to(BOOTED_AT);
+        bench.advance(BOOT);
         let mut host = Self {
             bench,
             decoder: Decoder::new(),
             inbox: Vec::new(),
-            parameters: &[],
             number: 0,
             period: Duration::from_millis(1),
             expects_cut_frame: false,
         };
-        let count = host.shake_hands(SESSION).parameter_count;
-        host.parameters = PARAMETERS.get_or_init(|| (0..count).map(|index| host.name_of(index)).collect());
+        host.shake_hands(SESSION);
         host
+    }
+
+    /// Names of the parameters, by their indices.
+    pub fn names(&mut self) -> Vec<String> {
+        let count = self.shake_hands(SESSION).parameter_count;
+        (0..count).map(|index| self.name_of(index)).collect()
     }
 
     fn name_of(&mut self, index: u8) -> String {
@@ -97,8 +100,9 @@ impl Host {
     pub fn run_under_torque(&mut self) {
         self.run();
         let samples = self.steps(5, 1.0);
-        assert_ne!(samples.last().expect("samples").torque_nm, 0.0);
-        assert!(self.bench.bridge().driving().is_some());
+        let faults = self.faults();
+        assert_ne!(samples.last().expect("samples").torque_nm, 0.0, "{faults:?}, {samples:?}");
+        assert!(self.bench.bridge().is_on());
     }
 
     pub fn set_all(&mut self, parameters: &[(&str, ParameterValue)]) {
@@ -133,7 +137,7 @@ impl Host {
     }
 
     pub fn set(&mut self, name: &str, value: ParameterValue) -> Outcome {
-        let index = self.parameters.iter().position(|it| it == name);
+        let index = PARAMETERS.get_or_init(|| self.names()).iter().position(|it| it == name);
         let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
         self.exchange(SetParameter { index, value }, |message| match message {
             DriveMessage::ParameterReport(report) if report.index == index => Some(report.outcome),

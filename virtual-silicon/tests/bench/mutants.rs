@@ -5,8 +5,9 @@ use std::time::Duration;
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, RETURN};
 
-use crate::bench::image;
+use crate::bench::{image, odrive_image};
 use crate::causes::{CAUSES, Cause, cause};
+use crate::time_to_off::of_each;
 
 /// Control period, and the fraction of it at which a cause comes.
 const INSTANT: (Duration, f64) = (Duration::from_millis(1), 0.17);
@@ -20,15 +21,17 @@ fn is_noticed(cause: &Cause, image: &Symbols) -> bool {
 #[test]
 fn an_image_that_never_switches_off_is_noticed_by_every_cause_of_software() {
     let careless = image().without("switch_off").expect("the function");
-    let by_hardware = ["all tasks stopped", "break input", "break wire open"];
+    let by_hardware = [
+        "all tasks stopped",
+        "lock-up: a fault at the priority of HardFault",
+        "break input",
+        "break wire open",
+    ];
     let software: Vec<_> = CAUSES.iter().filter(|cause| !by_hardware.contains(&cause.name)).collect();
-    std::thread::scope(|scope| {
-        let threads: Vec<_> =
-            software.iter().map(|cause| (cause.name, scope.spawn(|| is_noticed(cause, &careless)))).collect();
-        for (name, thread) in threads {
-            assert!(thread.join().expect("a measurement"), "{name}");
-        }
-    });
+    let noticed = of_each(&software, |cause| (cause.name, is_noticed(cause, &careless)));
+    for (name, is_noticed) in noticed {
+        assert!(is_noticed, "{name}");
+    }
     for name in by_hardware {
         assert!(!is_noticed(cause(name), &careless), "{name} needs no software");
     }
@@ -83,4 +86,14 @@ fn a_break_input_that_is_not_enabled_is_noticed() {
     });
     let careless = pieces.flatten().next().expect("the value of BDTR in a register");
     assert!(is_noticed(cause("break input"), &careless));
+}
+
+#[test]
+fn an_image_that_switches_off_one_of_two_half_bridges_is_noticed() {
+    // TIM1's CCER with channel 2 and its complement alone: movs r1, #0x50; str r1, [r0].
+    let one = Code::default().load(0, 0x4001_0020).halfwords(&[0x2150, 0x6001, RETURN]);
+    let careless = odrive_image().with_code("switch_off", |_| one).expect("the function");
+    for name in ["Stop", "host silent", "panic"] {
+        assert!(is_noticed(cause(name), &careless), "{name}");
+    }
 }

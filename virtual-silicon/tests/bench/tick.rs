@@ -10,11 +10,10 @@ use lashloop_protocol::message::{ClearFault, DescribeLaw, Stop, Subscribe};
 use lashloop_silicon::drive_train::{DriveTrain, Scales};
 use lashloop_silicon::surroundings::Arrival;
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::wiring::Wiring;
 
 use crate::bench::{Bench, image};
 use crate::host::{Host, SESSION};
-use crate::report;
+use crate::{docs, report};
 
 /// Most instructions of a tick.
 const LIMIT: u64 = 3_000;
@@ -32,7 +31,7 @@ fn with_plant(image: &Symbols) -> Host {
         load_counts_per_rev: 131_072.0,
     };
     let train = DriveTrain::new(model.release(&release).expect("a plant"), scales);
-    let mut host = Host::of(Bench::boot_with(image, train, Wiring::F405_BARE));
+    let mut host = Host::of(Bench::boot_with(image, train));
     host.set_all(&[]);
     host
 }
@@ -52,11 +51,9 @@ fn a_tick_of_every_law_takes_at_most_3000_instructions() {
     let addresses = ["TIM5", "USART2", "OTG_FS", "SysTick"].map(|task| image.function(task).expect("a task"));
     let idle =
         image.first_in("main", lashloop_silicon::thumb::WAIT_FOR_INTERRUPT).expect("the idle task") + 2;
-    host.bench.act(move |chip, _| {
-        addresses.into_iter().chain([idle]).for_each(|address| chip.watch(address).expect("a watch"));
-    });
+    addresses.into_iter().chain([idle]).for_each(|address| host.bench.watch(address));
     let laws = host.shake_hands(SESSION).law_count;
-    let mut lines = Vec::new();
+    let (mut lines, mut largest_of_laws) = (Vec::new(), Vec::new());
     for index in 0..laws {
         let name = host.exchange(DescribeLaw { index }, |message| match message {
             DriveMessage::LawDescription(it) => Some(it.name.as_str().to_owned()),
@@ -87,8 +84,76 @@ fn a_tick_of_every_law_takes_at_most_3000_instructions() {
             "bench tick, {name}: {mean} instructions on average, {largest} at most, limit {LIMIT}{end}"
         ));
         assert!(largest <= LIMIT, "{name}: {largest} instructions");
+        largest_of_laws.push(largest);
     }
     report::write("bench-tick", &lines);
+    let cells = docs::row("instructions of a tick, laws of the tree, ticks with a fault included");
+    let [least, most, least_us, most_us, limit] = docs::numbers(&cells[0])[..] else { panic!("{cells:?}") };
+    let range = [largest_of_laws.iter().min(), largest_of_laws.iter().max()];
+    let [of_least, of_most] = range.map(|it| *it.expect("laws") as f64);
+    let us = |instructions: f64| instructions / 168.0;
+    let wrong: Vec<_> = [
+        ("the least law", least, of_least, 0.05 * of_least),
+        ("the longest law", most, of_most, 0.05 * of_most),
+        ("the least law, us", least_us, us(of_least), 1.0),
+        ("the longest law, us", most_us, us(of_most), 1.0),
+        ("the limit", limit, LIMIT as f64, 0.0),
+    ]
+    .into_iter()
+    .filter_map(|(what, documented, measured, tolerance)| docs::off(what, documented, measured, tolerance))
+    .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The tick at the end of the old period belongs to no period of the run: a step there would end early.
+#[test]
+fn a_run_that_starts_before_the_last_tick_of_an_old_period_steps_a_new_period_after_it() {
+    const OLD: Duration = Duration::from_millis(10);
+    const TOLERANCE: Duration = Duration::from_micros(20);
+    let mut host = Host::at(&image(), (0, 0));
+    for (new_us, every) in [(250, 4), (1_000, 1), (15_000, 1)] {
+        let new = Duration::from_micros(new_us.into());
+        host.period = OLD;
+        // At 15 ms a counter of 16 bits covers no faster motor.
+        host.set_all(&[("motor_speed_limit_rad_s", ParameterValue::F32(100.0))]);
+        host.bench.advance(3 * OLD);
+        let tick = host.bench.act(|_, site| *site.log.ticks.last().expect("a tick"));
+        host.bench.advance_to(tick + OLD + OLD / 10);
+        let last_old = tick + 2 * OLD;
+        for (name, value) in [("period_us", new_us), ("bench_sample_every", every)] {
+            assert_eq!(host.set(name, ParameterValue::U32(value)), Outcome::Accepted);
+        }
+        host.run();
+        assert!(host.bench.now() < last_old, "the run starts in the old period");
+        host.bench.act(|_, site| site.log.ticks.clear());
+        // Those of the run before.
+        host.samples();
+        while host.bench.now() < last_old + 5 * new {
+            host.refer(0.1);
+            host.bench.advance(Duration::from_millis(1));
+        }
+        assert_eq!(host.faults(), [], "{new:?}");
+        assert!(host.bench.bridge().is_on(), "{new:?}");
+        let mut ticks = host.bench.act(|_, site| site.log.ticks.clone());
+        // The start of another period clears the status once more.
+        ticks.dedup_by(|later, earlier| *later - *earlier < TOLERANCE);
+        for (at, number) in ticks.iter().zip(0..) {
+            let due = last_old + number * new;
+            assert!(at.abs_diff(due) < TOLERANCE, "{new:?}, tick {number}: {at:?}, due {due:?}");
+        }
+        let read_at = host.bench.act(move |_, site| {
+            let mut readings = site.log.readings.iter().map(|reading| reading.0);
+            readings.find(|at| *at > last_old - TOLERANCE).expect("a reading")
+        });
+        assert!(read_at.abs_diff(last_old + new) < TOLERANCE, "{new:?}: the first step is at {read_at:?}");
+        let samples = host.samples();
+        let [first, ..] = samples[..] else { panic!("no sample of {new:?}") };
+        assert_eq!(first.sequence, 0);
+        assert!(
+            samples.iter().all(|sample| u128::from(sample.lateness_tenths_us) < 10 * TOLERANCE.as_micros())
+        );
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+    }
 }
 
 /// The distribution of times in nanoseconds.
@@ -114,8 +179,12 @@ fn jitter(host: &mut Host, period: Duration) -> (Vec<u64>, Vec<u64>) {
 
 #[test]
 fn ticks_of_1_and_4_khz_are_in_time_with_a_busy_line() {
-    let mut lines = Vec::new();
-    for (khz, every) in [(1, 1), (4, 4)] {
+    const ROWS: [(u64, u32, &str); 2] = [
+        (1, 1, "start of a step after the earliest possible, line busy, 1 kHz"),
+        (4, 4, "the same at 4 kHz"),
+    ];
+    let (mut lines, mut wrong) = (Vec::new(), Vec::new());
+    for (khz, every, row) in ROWS {
         let period = Duration::from_micros(1_000 / khz);
         let mut host = with_plant(&image());
         for (name, value) in [("period_us", 1_000 / khz as u32), ("bench_sample_every", every)] {
@@ -151,6 +220,15 @@ fn ticks_of_1_and_4_khz_are_in_time_with_a_busy_line() {
         ));
         // A tick waits for one request or one SysTick at most, and for bytes.
         assert!(most <= 20_000, "{khz} kHz: {most} ns");
+        let [most_us, p99_us, ..] = docs::numbers(&docs::row(row)[0])[..] else { panic!("the row {row:?}") };
+        // The largest is one coincidence of interrupts.
+        for (what, documented, measured, tolerance) in
+            [("at most", most_us, most, 0.5 * most_us), ("in 99 %", p99_us, p99, 0.5)]
+        {
+            let what = format!("{row}, {what}, us");
+            wrong.extend(docs::off(&what, documented, 1e-3 * measured as f64, tolerance));
+        }
     }
     report::write("bench-tick-jitter", &lines);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

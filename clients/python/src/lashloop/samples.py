@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-TYPES = {"float64": "<f8", "float32": "<f4", "int32": "<i4", "uint8": "u1"}
+TYPES = {"float64": "<f8", "float32": "<f4", "int64": "<i8", "int32": "<i4", "uint8": "u1"}
 SENT = ("motor_counts", "load_counts", "sent_reference_rad")
 NO_TIME_NS = -1
 MAGIC = b"\x89MCAP0\r\n"
@@ -106,8 +106,8 @@ def _collect(file: Any, topics: dict[str, _Topic], *, is_torn: bool) -> None:
 
 def _assembled(step: _Topic, drive: _Topic | None, *, is_torn: bool) -> Samples:
     values, units = step.values(), dict(step.columns)
-    numbers = np.array(step.numbers)
     period_s, period_ns = step.period_us / 1e6, step.period_us * 1000
+    numbers = np.array(step.times_ns) // period_ns
     sampled = values.pop("sampled") != 0
     sent = {name: np.where(sampled, values.pop(name), np.nan) for name in SENT}
     timing = {"step": numbers.astype(np.float64)}

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use std::{format, thread};
 
 use anyhow::{Context, Result};
-use lashloop::campaign::plants::RandomPlant;
+use lashloop::campaign::plants::RandomPlants;
 use lashloop::{Bench, Outcome, run};
 
 use super::laws::Law;
@@ -67,8 +67,10 @@ pub fn figures(law: &Law, plant: Plant, settings: &[String]) -> Result<Figures> 
     let mut all = ["expect=[]", "meant=[\"mismatch\"]"].map(str::to_string).to_vec();
     let mut counts = NOMINAL_COUNTS;
     if let Plant::Random { seed, index } = plant {
-        let random = RandomPlant::draw(seed, index);
-        counts = random.counts_per_rev;
+        let plants = RandomPlants::new(seed)?;
+        let random = plants.plant(index)?;
+        let drawn = random.number("encoders.load_counts_per_rev").context("a plant has encoders")?;
+        counts = drawn as u32;
         all.extend(random.settings());
     }
     all.extend_from_slice(settings);

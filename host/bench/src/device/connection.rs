@@ -13,8 +13,8 @@ use super::error::DeviceError;
 use super::evidence::{Build, Evidence, OpenFiles};
 use super::kind::Opened;
 use crate::scenario::sections::LinkSettings;
-use crate::session::{SessionError, printable};
 use crate::supervisor::{Process, Supervisor};
+use lashloop_session::{SessionError, printable};
 
 /// A line that closes is often the first sign of a process that ends; the end itself follows within this time.
 const END_LIMIT: Duration = Duration::from_millis(500);

@@ -8,7 +8,7 @@ use lashloop_link::rfc2217::NegotiationError;
 use lashloop_link::tcp::ConnectError;
 use lashloop_protocol::enums::State;
 
-use crate::session::SessionError;
+use lashloop_session::SessionError;
 
 /// Why a drive can't be reached or was lost: which side failed, and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -6,8 +6,8 @@ use super::choice::DeviceChoice;
 use super::connection::{Connection, LineSpeed};
 use super::error::DeviceError;
 use super::evidence::Evidence;
-use crate::session::{Session, SessionError};
 use crate::supervisor::Supervisor;
+use lashloop_session::{Session, SessionError};
 
 /// A drive with an open session. Dropping it ends the process behind the drive, if the bench started one.
 pub struct Device {

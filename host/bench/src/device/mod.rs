@@ -13,10 +13,12 @@
 //! | `in_process_bench` | the drive in this process with encoders, a power stage and a plant |
 //! | `image` | where the image of the firmware is |
 //! | `evidence` | [`Evidence`]: the files that run as the drive, for the record |
+//! | [`BuiltIn`] | the drive that is part of a program, by its laws |
 //! | `drive_host` | [`DriveHost`]: what runs the drive, and can suspend it |
 //! | `uart_socket` | the socket that the UART of an emulated board connects to |
 //! | [`twin`] | the native twin's own side: a drive served on a pseudo-terminal |
 
+mod built_in;
 mod choice;
 mod connection;
 mod drive_host;
@@ -33,6 +35,7 @@ mod slow_time;
 pub mod twin;
 mod uart_socket;
 
+pub use built_in::BuiltIn;
 pub use choice::DeviceChoice;
 pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;

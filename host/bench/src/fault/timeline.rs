@@ -8,7 +8,7 @@ use super::schedule::Schedule;
 use crate::device::Device;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{DeviceFault, FaultDuration, FaultKind, InjectedFault};
-use crate::session::SessionError;
+use lashloop_session::SessionError;
 
 /// A fault that can't be injected on this device.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +28,21 @@ pub struct Timeline {
     /// The next step in which a fault may begin or end; `None` once all are over.
     next: Option<u32>,
     link: Option<LinkFaults>,
+    /// Whether a fault may have begun or ended since [`Timeline::next_edge`] was empty.
+    has_news: bool,
+}
+
+/// The begin or the end of an injected fault.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaultEdge {
+    /// Number of the fault in the scenario, from 0.
+    pub number: usize,
+    /// Name of its kind.
+    pub kind: &'static str,
+    /// Its first step, or the first step after it.
+    pub step: u32,
+    /// Begin or end.
+    pub begins: bool,
 }
 
 struct TimedFault {
@@ -36,6 +51,8 @@ struct TimedFault {
     /// For a fault that lasts in the link's time.
     lasts: Option<Duration>,
     progress: Progress,
+    /// Begin, then end: how many of them [`Timeline::next_edge`] has passed on.
+    edges_passed_on: u8,
 }
 
 enum Progress {
@@ -56,7 +73,7 @@ impl TimedFault {
     fn new(fault: &InjectedFault, schedule: Schedule) -> Self {
         let for_s = fault.for_s.filter(|_| fault.kind.duration() == FaultDuration::WallClock);
         let lasts = for_s.map(Duration::from_secs_f64);
-        Self { kind: fault.kind, schedule, lasts, progress: Progress::Pending }
+        Self { kind: fault.kind, schedule, lasts, progress: Progress::Pending, edges_passed_on: 0 }
     }
 
     /// When it is over, of a fault that is active and lasts in the link's time.
@@ -84,6 +101,17 @@ impl TimedFault {
             Progress::Pending | Progress::Active { .. } => {}
         }
         Ok(())
+    }
+
+    /// Step of the next edge to pass on, and whether the fault begins there.
+    fn next_edge(&mut self) -> Option<(u32, bool)> {
+        let edge = match (self.edges_passed_on, &self.progress) {
+            (0, Progress::Active { since, .. } | Progress::Over { since, .. }) => (*since, true),
+            (1, Progress::Over { until: Some(until), .. }) => (*until, false),
+            _ => return None,
+        };
+        self.edges_passed_on += 1;
+        Some(edge)
     }
 
     fn record(&self, frames: Option<u64>) -> Option<FaultRecord> {
@@ -116,6 +144,7 @@ impl Timeline {
             faults: scenario.faults.iter().map(timed).collect(),
             next: (!scenario.faults.is_empty()).then_some(0),
             link,
+            has_news: false,
         })
     }
 
@@ -131,6 +160,7 @@ impl Timeline {
         if self.next.is_none_or(|next| step < next) {
             return Ok(());
         }
+        self.has_news = true;
         for fault in &mut self.faults {
             fault.advance(step, device)?;
         }
@@ -151,6 +181,19 @@ impl Timeline {
                 heal(fault.kind, device);
             }
         }
+    }
+
+    /// The next begin or end of a fault that this has not returned yet.
+    pub fn next_edge(&mut self) -> Option<FaultEdge> {
+        if !self.has_news {
+            return None;
+        }
+        let edge = self.faults.iter_mut().enumerate().find_map(|(number, fault)| {
+            let (step, begins) = fault.next_edge()?;
+            Some(FaultEdge { number, kind: fault.kind.name(), step, begins })
+        });
+        self.has_news = edge.is_some();
+        edge
     }
 
     /// Suspends the faults of the link for an exchange with the drive outside the loop.

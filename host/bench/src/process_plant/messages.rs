@@ -3,7 +3,7 @@
 use lashloop_plant::{PlantValue, Signal, Start};
 use serde::{Deserialize, Serialize};
 
-use crate::session::printable;
+use lashloop_session::printable;
 
 /// Version of the protocol. A process of another version is rejected.
 pub(super) const VERSION: u32 = 1;

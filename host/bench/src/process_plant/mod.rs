@@ -22,6 +22,7 @@ use std::path::PathBuf;
 use lashloop_plant::{Key, PlantError, PlantModel};
 
 pub use error::ProcessError;
+pub use plant::{FOLDER, files, folder};
 
 /// Name of the model in scenarios.
 pub const NAME: &str = "process";
@@ -31,9 +32,10 @@ pub const NAME: &str = "process";
 #[must_use]
 pub fn model(bench: Option<PathBuf>) -> PlantModel {
     let keys = vec![
-        Key::texts(
-            "command",
-            "Program and its arguments, without a shell. It runs in the folder of the scenario.",
+        Key::texts("command", "Program and its arguments, without a shell."),
+        Key::text(
+            FOLDER,
+            "Folder in which the program runs, relative to that of the scenario; that of the scenario if absent.",
         ),
         Key::integer(
             "start_timeout_ms",

@@ -9,9 +9,11 @@ use serde::de::DeserializeOwned;
 use super::error::ProcessError;
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
-use crate::session::printable;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
+use lashloop_session::printable;
 
+/// Key of the folder in which the program runs.
+pub const FOLDER: &str = "folder";
 /// Time that an ended process may take to leave its exit status.
 const STATUS_LIMIT: Duration = Duration::from_millis(500);
 /// Characters of a malformed line that a message quotes.
@@ -32,9 +34,10 @@ impl ProcessPlant {
     /// Starts the process and reads its signals and its initial state.
     pub(super) fn start(release: &Release<'_>, bench: Option<PathBuf>) -> Result<Self, ProcessError> {
         let values = release.values;
-        let program = program(values, release.folder)?;
+        let folder = folder(values, release.folder);
+        let program = program(values, &folder)?;
         let supervisor = Supervisor::without_signals(bench)?;
-        let (process, to_process, from_process) = supervisor.spawn_piped_in(release.folder, &program)?;
+        let (process, to_process, from_process) = supervisor.spawn_piped_in(&folder, &program)?;
         let mut plant = Self {
             lines: Lines::new(to_process, from_process)?,
             process,
@@ -131,6 +134,24 @@ impl Plant for ProcessPlant {
         }
         self.advance(torque_nm, dt_s).map_err(|error| PlantError::Failed(error.to_string()))
     }
+}
+
+/// The folder in which the program runs, for a scenario in the folder `of_scenario`.
+#[must_use]
+pub fn folder(values: &PlantValues, of_scenario: &Path) -> PathBuf {
+    match values.get(FOLDER) {
+        Some(PlantValue::Text(folder)) if !folder.is_empty() => of_scenario.join(folder),
+        _ => of_scenario.to_owned(),
+    }
+}
+
+/// The program, and each argument that is a file: the script of an interpreter is the plant. None of another model.
+#[must_use]
+pub fn files(values: &PlantValues, of_scenario: &Path) -> Vec<PathBuf> {
+    let folder = folder(values, of_scenario);
+    let Ok(Program { program, arguments, .. }) = program(values, &folder) else { return Vec::new() };
+    let arguments = arguments.into_iter().map(|it| folder.join(it)).filter(|path| path.is_file());
+    [program.into()].into_iter().chain(arguments).collect()
 }
 
 fn program(values: &PlantValues, folder: &Path) -> Result<Program, ProcessError> {

@@ -26,9 +26,9 @@ use crate::device::{Device, DeviceError};
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
 use crate::scenario::bench::BenchStart;
-use crate::session::{AtStep, BenchReport, SessionError};
 use crate::timing::{ClockName, StepOutcome, StepTiming};
 use crate::verdict::{AnswerRule, BrokenRule};
+use lashloop_session::{AtStep, BenchReport, SessionError};
 
 /// Largest distance of the load from its start at the first step, in rad. An initial condition is part of the scenario.
 const START_TOLERANCE_RAD: f64 = 0.02;

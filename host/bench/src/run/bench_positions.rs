@@ -55,3 +55,21 @@ impl BenchPositions {
         (self.motor.take(sample.motor_counts), self.load.take(sample.load_counts))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_go_on_where_the_counts_of_24_bits_wrap() {
+        const RANGE: i64 = 1 << 23;
+        for way in [1, -1] {
+            let mut axis = Axis { counts: 0, rad_per_count: 0.5, zero_rad: 3.0 };
+            // A reading that far from the zero of power-up is the nearest one.
+            for counts in (RANGE - 1_000..RANGE + 1_000).step_by(7).map(|counts| way * counts) {
+                let want_rad = 3.0 + counts as f64 * 0.5;
+                assert_eq!(axis.take(EncoderCounts::wrapping(counts)), want_rad, "at {counts}");
+            }
+        }
+    }
+}

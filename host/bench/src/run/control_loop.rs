@@ -23,9 +23,9 @@ use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{FaultKind, FrameFault, Way};
-use crate::session::{Exchange, SessionError};
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming};
 use crate::verdict::AnswerRule;
+use lashloop_session::{Exchange, SessionError};
 
 /// The loop of one run.
 pub(super) struct ControlLoop<'a, S> {

@@ -7,12 +7,12 @@ use lashloop_protocol::parameter_names::{
     WATCHDOG_US,
 };
 
-use crate::names::UnknownName;
 use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM};
 use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
-use crate::session::{Law, Parameter, Session, Subscription, WrittenValue};
 use crate::timing::ClockName;
+use lashloop_session::names::UnknownName;
+use lashloop_session::{Law, Parameter, Session, Subscription, WrittenValue};
 
 /// Parameters of bench mode that the bench sets itself, and the keys that they follow.
 const OF_BENCH_MODE: [(&str, &str); 2] =

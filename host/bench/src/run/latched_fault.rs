@@ -4,8 +4,8 @@ use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::{FaultReport, GetParameter};
 
 use crate::device::Device;
-use crate::session::handshake::shake_hands;
-use crate::session::{AtStep, SessionError};
+use lashloop_session::handshake::shake_hands;
+use lashloop_session::{AtStep, SessionError};
 
 /// Requests for the report of a latched fault, of which the line may lose some.
 const FAULT_REQUESTS: usize = 3;

@@ -2,6 +2,7 @@
 //!
 //! | module | does |
 //! |---|---|
+//! | `clock` | what paces a run |
 //! | `runner` | from a scenario and a device to a verdict: [`run`] |
 //! | `device_under_test` | the device with the faults on its link |
 //! | [`mod@simulator`] | the simulated side of the loop: plant, encoders, reference |
@@ -19,6 +20,7 @@
 //! | `held_torque` | the torque on the motor while answers stay out |
 //! | `waiting_time` | the time that a lockstep run waits for its drive |
 //! | `reconnect` | getting a lost drive back |
+//! | `event` | what happens besides the steps: injected faults, texts of the drive |
 //! | `step` | a finished step: truth, torque, the drive's signals, timing |
 //! | [`digest`] | digest of all torques |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
@@ -28,11 +30,13 @@
 mod answer_check;
 mod bench_loop;
 mod bench_positions;
+mod clock;
 mod control_loop;
 mod device_under_test;
 pub mod digest;
 mod drive_settings;
 mod error;
+mod event;
 mod held_torque;
 mod latched_fault;
 mod lockstep;
@@ -49,9 +53,11 @@ mod step_recorder;
 mod step_sink;
 mod waiting_time;
 
+pub use clock::Clock;
 pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
+pub use event::Event;
 pub use outcome::{End, Outcome};
-pub use runner::{Clock, check_bench_mode, run};
+pub use runner::{check_bench_mode, run};
 pub use step::{DriveValues, Observation, Step, TraceRow, TruthValues};
 pub use step_sink::{Observers, RunStart, StepObserver};

@@ -6,11 +6,11 @@ use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::FaultReport;
 
 use crate::fault::log::FaultRecord;
-use crate::session::AtStep;
 use crate::timing::TimingReport;
 use crate::verdict::{BrokenRule, Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;
 use lashloop_plant::metrics::{Metrics, SignalTable};
+use lashloop_session::AtStep;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,6 +142,22 @@ pub struct Outcome {
     pub logs: Vec<String>,
     /// The signals of plant and drive that every step has a value for.
     pub signals: SignalTable,
+}
+
+impl Outcome {
+    /// Why the verdict is not PASS, each reason as one phrase; empty for PASS.
+    #[must_use]
+    pub fn reasons(&self) -> Vec<String> {
+        let Judgement { verdict, expectations, breaches, gate } = &self.judgement;
+        let end = (self.end != End::Complete).then(|| self.end.to_string());
+        let breaches = breaches.iter().map(ToString::to_string);
+        let missed = expectations.iter().filter(|judged| !judged.ok).map(ToString::to_string);
+        let reasons: Vec<_> = end.into_iter().chain(gate.clone()).chain(breaches).chain(missed).collect();
+        match verdict {
+            Verdict::Fail if reasons.is_empty() => vec!["a value of the run is not finite".to_owned()],
+            Verdict::Pass | Verdict::Fail | Verdict::Invalid => reasons,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -13,8 +13,8 @@ use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
 use crate::scenario::sections::OnLoss;
-use crate::session::SessionError;
 use crate::timing::ClockName;
+use lashloop_session::SessionError;
 
 /// Time between two attempts.
 const INTERVAL: Duration = Duration::from_millis(50);

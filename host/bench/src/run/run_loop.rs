@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use super::bench_loop::BenchLoop;
 use super::control_loop::{ControlLoop, Counts, LoopSettings};
 use super::error::RunError;
+use super::event::Event;
 use super::outcome::End;
 use super::simulator::Simulator;
 use super::step_sink::StepSink;
@@ -62,9 +63,31 @@ impl<'a, S: StepSink> RunLoop<'a, S> {
         lateness: Duration,
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
-        match self {
+        let ended = match self {
             Self::Hil(control) => control.step(step, deadline, lateness, device),
             Self::Bench(bench) => bench.step(step, deadline, device),
+        };
+        let passed_on = self.pass_events_on(step, device);
+        let end = ended?;
+        passed_on?;
+        Ok(end)
+    }
+
+    /// Passes on what has happened since the last call.
+    pub(super) fn pass_events_on(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
+        while let Some(edge) = self.timeline().next_edge() {
+            self.sink().take_event(step, Event::Fault(edge))?;
+        }
+        while let Some(entry) = device.session.line.logs.next_new() {
+            self.sink().take_event(step, Event::Log(entry))?;
+        }
+        Ok(())
+    }
+
+    fn sink(&mut self) -> &mut S {
+        match self {
+            Self::Hil(control) => &mut control.sink,
+            Self::Bench(bench) => &mut bench.sink,
         }
     }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use lashloop_link::TimeBase;
 
+use super::clock::Clock;
 use super::control_loop::{Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
 use super::drive_settings::takes_torque;
@@ -20,33 +21,12 @@ use crate::device::Device;
 use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
 use crate::scenario::{RunMode, Scenario};
-use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::{PlantError, Signal};
 use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
-
-/// What paces a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Clock {
-    /// The plant waits for the drive and the drive for the plant.
-    #[default]
-    Lockstep,
-    /// The wall clock.
-    RealTime(RealTime),
-}
-
-impl Clock {
-    /// Its name, without the options.
-    #[must_use]
-    pub fn name(&self) -> ClockName {
-        match self {
-            Self::Lockstep => ClockName::Lockstep,
-            Self::RealTime(_) => ClockName::RealTime,
-        }
-    }
-}
+use lashloop_session::{Session, Traffic};
 
 /// Runs a scenario on a device and judges it.
 ///
@@ -75,7 +55,7 @@ pub fn run(
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
     };
     let torque_limit_nm = setup::torque_limit_nm(device)?;
-    observer.begin(&RunStart { scenario, clock: clock.name(), device, signals: &signals })?;
+    observer.begin(&RunStart { scenario, clock, device, signals: &signals })?;
     let before = device.session.traffic();
     let settings = LoopSettings {
         clock: clock.name(),
@@ -254,7 +234,10 @@ fn run_to_end<'a, S: StepSink>(
     if stopped.is_err() {
         device.session.abandon();
     }
-    control.finish(device)?;
+    let last = u32::try_from(control.counts().steps).unwrap_or(u32::MAX);
+    let finished = control.finish(device);
+    control.pass_events_on(last, device)?;
+    finished?;
     let end = end?;
     // The end of a run that was cut short matters more than a stop that failed after it.
     if end == End::Complete {

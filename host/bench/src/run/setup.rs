@@ -13,8 +13,8 @@ use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
 use crate::device::{Device, DeviceError};
 use crate::scenario::{RunMode, Scenario, ScenarioError};
-use crate::session::{SessionError, SetError, SubscribeError};
 use crate::timing::ClockName;
+use lashloop_session::{SessionError, SetError, SubscribeError};
 
 /// Time for the first reading after power-up: two of the longest control periods, of 100 ms.
 const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);

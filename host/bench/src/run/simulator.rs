@@ -13,12 +13,16 @@ use crate::fault::motor::MotorFaults;
 use crate::fault::plant::PlantFaults;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
+use crate::scenario::sections::LineSettings;
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::reference::Reference;
 use lashloop_plant::{Environment, Plant, PlantError, PlantValues, Positions, Signal, TransportDelay};
 
 /// Separates the noise of the load encoder from that of the motor encoder.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Separates the line to the motor from the encoders' noise.
+const LINE_STREAM: u64 = 0xa076_1d64_78bd_642f;
 
 /// Plant, encoders and reference of a scenario, with their state.
 pub struct Simulator {
@@ -36,6 +40,13 @@ pub struct Simulator {
     plant_faults: PlantFaults,
     /// The values of the plant's keys after each fault, with the first step they apply to.
     next_values: VecDeque<(u32, PlantValues)>,
+}
+
+/// The way of torques to the motor: the plant's own delay, and the modelled line.
+fn transport_delay(scenario: &Scenario) -> TransportDelay {
+    let LineSettings { delay_us, jitter_us, loss } = scenario.line;
+    TransportDelay::new(scenario.plant.torque_delay_us() + delay_us, scenario.run.control_period_us)
+        .with_variation(jitter_us, loss, scenario.run.seed ^ LINE_STREAM)
 }
 
 impl Simulator {
@@ -71,7 +82,7 @@ impl Simulator {
             motor_faults: MotorFaults::new(scenario),
             next_values: next_values.into(),
             plant_faults,
-            delay: TransportDelay::new(scenario.plant.torque_delay_us(), scenario.run.control_period_us),
+            delay: transport_delay(scenario),
             period_s,
         })
     }

@@ -2,13 +2,15 @@
 
 use heapless::Vec;
 use lashloop_plant::limits::MAX_SIGNALS;
+use lashloop_plant::metrics::Sample;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{EncoderSample, Telemetry};
 
 use super::error::RunError;
 use crate::device::Device;
-use crate::session::AtStep;
+use crate::scenario::RunMode;
 use crate::timing::StepTiming;
+use lashloop_session::AtStep;
 
 /// What every run has for a step. Positions are the true ones at `time_s`, in bench mode those of the drive's encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +96,24 @@ impl DriveValues {
 }
 
 impl Step {
+    /// What the metrics of a run in this mode take of the step. In bench mode the plant's signals are no truth.
+    #[must_use]
+    pub fn measured(&self, mode: RunMode) -> Sample<'_> {
+        let row = &self.row;
+        Sample {
+            time_s: row.time_s,
+            reference_rad: row.reference_rad,
+            load_position_rad: row.load_position_rad,
+            motor_position_rad: row.motor_position_rad,
+            torque_nm: row.torque_nm,
+            plant: match mode {
+                RunMode::Hil => &self.plant,
+                RunMode::Bench => &[],
+            },
+            drive: self.fresh_drive(),
+        }
+    }
+
     /// The drive's signals at this very step; `None` without a telemetry of its own. Values that are repeated until the next
     /// telemetry or came too late must not be compared with the truth of another step.
     #[must_use]

@@ -1,9 +1,10 @@
 //! What a run computes from its steps: metrics, digest and timing.
 
-use lashloop_plant::metrics::{Measurement, Metrics, Plan, Sample, SignalTable};
+use lashloop_plant::metrics::{Measurement, Metrics, Plan, SignalTable};
 
 use super::digest::TorqueDigest;
 use super::error::RunError;
+use super::event::Event;
 use super::step::Step;
 use super::step_sink::{StepObserver, StepSink};
 use crate::scenario::expectation::Expectation;
@@ -55,22 +56,14 @@ impl<'a> StepRecorder<'a> {
 
 impl StepSink for &mut StepRecorder<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
-        let Step { row, plant, timing, .. } = &step;
-        self.digest.push(row.torque_nm as f32);
-        self.timings.push(timing);
-        self.measurement.push(&Sample {
-            time_s: row.time_s,
-            reference_rad: row.reference_rad,
-            load_position_rad: row.load_position_rad,
-            motor_position_rad: row.motor_position_rad,
-            torque_nm: row.torque_nm,
-            plant: match self.mode {
-                RunMode::Hil => plant,
-                RunMode::Bench => &[],
-            },
-            drive: step.fresh_drive(),
-        });
+        self.digest.push(step.row.torque_nm as f32);
+        self.timings.push(&step.timing);
+        self.measurement.push(&step.measured(self.mode));
         Ok(self.observer.step(&step)?)
+    }
+
+    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
+        Ok(self.observer.event(step, &event)?)
     }
 
     fn stop_asked(&self) -> bool {

@@ -2,12 +2,13 @@
 
 use lashloop_plant::metrics::SignalTable;
 
+use super::clock::Clock;
 use super::error::RunError;
+use super::event::Event;
 use super::step::Step;
 use crate::atomic_file::WriteError;
 use crate::device::Device;
 use crate::scenario::Scenario;
-use crate::timing::ClockName;
 
 /// A run that is about to start: its drive is set up, and its scenario resolved.
 #[derive(Clone, Copy)]
@@ -15,7 +16,7 @@ pub struct RunStart<'a> {
     /// What is run.
     pub scenario: &'a Scenario,
     /// What paces it.
-    pub clock: ClockName,
+    pub clock: Clock,
     /// The drive, with its parameters in force.
     pub device: &'a Device,
     /// The values of every step.
@@ -40,6 +41,14 @@ pub trait StepObserver {
         Ok(())
     }
 
+    /// Something happened in a step. It comes before the step itself.
+    ///
+    /// # Errors
+    /// The event can't be recorded; the run ends.
+    fn event(&mut self, _step: u32, _event: &Event) -> Result<(), WriteError> {
+        Ok(())
+    }
+
     /// Whether the run is to end early. Polled in every step.
     fn stop_asked(&self) -> bool {
         false
@@ -58,6 +67,10 @@ impl StepObserver for Observers<'_> {
         self.0.iter_mut().try_for_each(|it| it.step(step))
     }
 
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.0.iter_mut().try_for_each(|it| it.event(step, event))
+    }
+
     fn stop_asked(&self) -> bool {
         self.0.iter().any(|it| it.stop_asked())
     }
@@ -70,6 +83,12 @@ pub(super) trait StepSink {
     /// # Errors
     /// The step can't be kept; the run ends.
     fn take(&mut self, step: Step) -> Result<(), RunError>;
+
+    /// Takes an event of a step.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError>;
 
     /// Whether the run is to end early. Polled in every step.
     fn stop_asked(&self) -> bool;

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use crate::session::SessionError;
+use lashloop_session::SessionError;
 
 /// Waiting time that a run may have beyond its mean, for single answers that are late or lost.
 const ALLOWANCE: Duration = Duration::from_secs(10);

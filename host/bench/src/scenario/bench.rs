@@ -12,7 +12,7 @@ use super::key_error::KeyError;
 use super::plant::PlantSettings;
 use super::range::positive;
 use super::reader::Section;
-use super::sections::{EncoderSettings, LinkSettings, OnLoss};
+use super::sections::{EncoderSettings, LineSettings, LinkSettings, OnLoss};
 use crate::process_plant;
 use lashloop_plant::TORQUE_DELAY_US;
 
@@ -175,6 +175,15 @@ pub(super) fn check_encoders(section: &Section<'_>, encoders: &EncoderSettings) 
             "noise_counts",
             "has no effect in bench mode, whose encoders are real; omit it".to_owned(),
         );
+    }
+}
+
+/// Rejects a modelled line: the torque goes to the power stage.
+pub(super) fn check_line(section: &Section<'_>, line: &LineSettings) {
+    let given =
+        [("delay_us", line.delay_us > 0), ("jitter_us", line.jitter_us > 0), ("loss", line.loss > 0.0)];
+    for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+        section.reject(key, "has no effect in bench mode, whose torque goes to the pins; omit it".to_owned());
     }
 }
 

@@ -11,6 +11,7 @@ use super::origin::Origin;
 use super::overrides::{Override, find, place, read_tree};
 use super::reader::read_document;
 use super::sweep::{self, Setting};
+use super::tables::GivenTables;
 use super::tree::Table;
 use super::{Scenario, file};
 
@@ -23,6 +24,7 @@ pub struct Cases {
     is_overridden: bool,
     settings: Vec<Vec<Setting>>,
     plants: Plants,
+    given: GivenTables,
 }
 
 impl Cases {
@@ -66,7 +68,20 @@ impl Cases {
             return Err(errors.into());
         }
         let is_overridden = !overrides.is_empty();
-        Ok(Self { name: name.to_owned(), tree, is_overridden, settings, plants: plants.clone() })
+        Ok(Self {
+            name: name.to_owned(),
+            tree,
+            is_overridden,
+            settings,
+            plants: plants.clone(),
+            given: GivenTables::new(),
+        })
+    }
+
+    /// The same cases with these tables in place of their files.
+    #[must_use]
+    pub fn with_tables(self, given: GivenTables) -> Self {
+        Self { given, ..self }
     }
 
     /// The settings of each case, in their order; none in the case of a scenario without a sweep.
@@ -89,7 +104,21 @@ impl Cases {
             }
         }
         let is_overridden = self.is_overridden || !case.is_empty();
-        Scenario::from_tree(&self.name, tree, errors, is_overridden, &self.plants)
+        Scenario::from_tree(&self.name, tree, errors, is_overridden, &self.plants, &self.given)
+    }
+}
+
+impl Cases {
+    /// The scenario with these overrides in force, in addition to those of the file; its sweep is left out.
+    ///
+    /// # Errors
+    /// Keys are unknown, missing or out of range, or an override can't be applied; all errors at once.
+    pub fn scenario_with(&self, overrides: &[Override]) -> Result<Scenario, ScenarioErrors> {
+        let mut tree = self.tree.clone();
+        let keys = || Scenario::keys_with(&self.plants);
+        let errors = overrides.iter().filter_map(|it| it.apply(&mut tree, &keys).err()).collect();
+        let is_overridden = self.is_overridden || !overrides.is_empty();
+        Scenario::from_tree(&self.name, tree, errors, is_overridden, &self.plants, &self.given)
     }
 }
 

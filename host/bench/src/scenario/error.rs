@@ -55,11 +55,11 @@ pub enum ScenarioError {
         reason: String,
     },
     /// A key with an error.
-    #[error("{origin}: {key}: {error}")]
+    #[error("{origin}: {}{error}", if key.is_empty() { String::new() } else { format!("{key}: ") })]
     Key {
         /// Where it was written; for a missing key, where its section begins.
         origin: Origin,
-        /// The whole path, such as `plant.initial.load_position_rad`.
+        /// The whole path, such as `plant.initial.load_position_rad`; empty for the file as a whole.
         key: String,
         /// What is wrong.
         error: Box<KeyError>,

@@ -11,7 +11,7 @@
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `meant` | traps that are meant | `traps` |
-//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
+//! | `[run]` `[encoders]` `[line]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
 //! | `[bench]` | what lies at the drive's pins in bench mode | [`mod@bench`] |
 //! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
@@ -45,6 +45,7 @@ pub mod sections;
 pub mod settings_file;
 mod spelling;
 pub mod sweep;
+pub mod tables;
 mod traps;
 mod tree;
 mod unit;
@@ -58,7 +59,7 @@ pub use self::former_names::present_law;
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
-pub use self::reader::Section;
+pub use self::reader::{Scalar, Section};
 pub use self::run_mode::RunMode;
 pub use self::traps::Trap;
 
@@ -69,8 +70,9 @@ use self::fault::InjectedFault;
 use self::key::Keys;
 use self::plant::PlantSettings;
 use self::sections::{
-    Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
+    Allowance, EncoderSettings, LineSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
+use self::tables::{GivenTables, Tables};
 use self::traps::{Facts, Meant, Nominal};
 use self::tree::Table;
 use lashloop_plant::Plants;
@@ -104,6 +106,8 @@ pub struct Scenario {
     pub bench: BenchSettings,
     /// The commanded position.
     pub reference: Reference,
+    /// The modelled line from the law to the motor.
+    pub line: LineSettings,
     /// Timeouts and line speed.
     pub link: LinkSettings,
     /// Losses that don't invalidate the run.
@@ -165,7 +169,7 @@ impl Scenario {
     ) -> Result<Self, ScenarioErrors> {
         let keys = || Self::keys_with(plants);
         let (tree, errors) = overrides::read_tree(&name.into(), text, overrides, &keys)?;
-        Self::from_tree(name, tree, errors, !overrides.is_empty(), plants)
+        Self::from_tree(name, tree, errors, !overrides.is_empty(), plants, &GivenTables::new())
     }
 
     /// Reads a document. `errors` are those found before; `is_overridden` means that values differ from the file.
@@ -175,11 +179,13 @@ impl Scenario {
         mut errors: Vec<ScenarioError>,
         is_overridden: bool,
         plants: &Plants,
+        given: &GivenTables,
     ) -> Result<Self, ScenarioErrors> {
         former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file: name.into(), line: 1, column: 1 };
-        let document = reader::read_document(&tree, start, |root| read(root, name, directory, plants));
+        let tables = Tables { directory, given };
+        let document = reader::read_document(&tree, start, |root| read(root, name, tables, plants));
         let (mut scenario, meant) = document.result;
         errors.extend(document.errors);
         if errors.is_empty() {
@@ -240,7 +246,7 @@ impl Scenario {
     #[must_use]
     pub fn keys_with(plants: &Plants) -> Keys {
         catalogue::collect(|root| {
-            read(root, "", Path::new(""), plants);
+            read(root, "", Tables { directory: Path::new(""), given: &GivenTables::new() }, plants);
         })
     }
 
@@ -254,14 +260,14 @@ impl Scenario {
     }
 }
 
-fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -> (Scenario, Meant) {
+fn read(root: &mut Section<'_>, name: &str, tables: Tables<'_>, plants: &Plants) -> (Scenario, Meant) {
     let title = root.doc("One line for lists and reports.").text("title", Some("a text in quotes"));
     let description = root.doc("What the scenario shows, at any length.").text("description", None);
     let meant = traps::read_meant(root);
     let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
     let plant =
         root.doc("The mechanics: load, motor, and what is between them.").section("plant", |section| {
-            let plant = plant::read(section, plants, directory);
+            let plant = plant::read(section, plants, tables.directory);
             if !run.mode.is_hil() {
                 bench::check_plant(section, &plant);
             }
@@ -281,7 +287,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
         .section("bench", bench::read);
     let reference = root
         .doc("The commanded load position.")
-        .section("reference", |section| reference::read(section, directory));
+        .section("reference", |section| reference::read(section, tables));
     let link = root.doc("Timeouts and line speed.").section("link", |section| {
         let link = sections::read_link(section);
         if !run.mode.is_hil() {
@@ -289,6 +295,15 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
         }
         link
     });
+    let line = root
+        .doc("A modelled line from the law to the motor, in the plant's time. It repeats bit for bit, unlike a real line.")
+        .section("line", |section| {
+            let line = LineSettings::read(section);
+            if !run.mode.is_hil() {
+                bench::check_line(section, &line);
+            }
+            line
+        });
     let allow = root
         .doc("Limits beyond which a run is INVALID, because it doesn't judge the drive.")
         .section("allow", Allowance::read);
@@ -318,6 +333,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
         controller,
         bench,
         reference,
+        line,
         link,
         allow,
         telemetry,

@@ -40,7 +40,7 @@ impl fmt::Display for Override {
 
 impl Override {
     /// Replaces or adds the value in `root`. The reader rejects unknown keys. `keys` are those that the reader reads.
-    fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
+    pub(super) fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {

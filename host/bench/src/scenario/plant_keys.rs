@@ -45,6 +45,7 @@ fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
             let chosen = plant.choice(key.name, default, &choices).or(default);
             PlantValue::Text(chosen.unwrap_or_default().to_owned())
         }
+        KeyKind::Text => PlantValue::Text(plant.text(key.name, None).map(str::to_owned).unwrap_or_default()),
         KeyKind::Texts => {
             let texts = plant.texts(key.name, Some("a list of texts in quotes, at least one"));
             if texts.as_ref().is_some_and(Vec::is_empty) {

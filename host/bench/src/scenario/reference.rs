@@ -1,16 +1,15 @@
 //! `[reference]`: the commanded load position. Each profile has keys of its own; the error for a key of another profile
 //! names that profile.
 
-use std::path::Path;
-
 use super::key::Choice;
 use super::key_error::KeyError;
 use super::range::positive;
 use super::reader::Section;
-use lashloop_plant::reference::{Interpolation, Reference, Table, Trapezoid};
+use super::tables::Tables;
+use lashloop_plant::reference::{Interpolation, Reference, Trapezoid};
 
-/// Reads the keys of one profile; `None` if a table can't be used. The path is the scenario's directory.
-type ReadProfile = fn(&mut Section<'_>, &Path) -> Option<Reference>;
+/// Reads the keys of one profile; `None` if a table can't be used.
+type ReadProfile = fn(&mut Section<'_>, Tables<'_>) -> Option<Reference>;
 
 const PROFILES: [(&str, ReadProfile); 5] = [
     ("constant", read_constant),
@@ -20,8 +19,7 @@ const PROFILES: [(&str, ReadProfile); 5] = [
     ("table", read_table),
 ];
 
-/// `directory` is where the path of a table starts.
-pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
+pub(super) fn read(reference: &mut Section<'_>, tables: Tables<'_>) -> Reference {
     let choices = PROFILES.map(|(name, _)| (name, name));
     let Some(chosen) = reference
         .doc("Shape of the reference over time.")
@@ -35,9 +33,9 @@ pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
     let mut result = None;
     for (name, read_profile) in PROFILES {
         if name == chosen {
-            result = read_profile(reference, directory);
+            result = read_profile(reference, tables);
         } else {
-            reference.belongs_to("profile", name, chosen, |section| read_profile(section, directory));
+            reference.belongs_to("profile", name, chosen, |section| read_profile(section, tables));
         }
     }
     result.unwrap_or(STAND_IN)
@@ -62,13 +60,13 @@ const DOCS: [Choice; 5] = [
     Choice { name: "table", doc: "Points of a file." },
 ];
 
-fn read_constant(constant: &mut Section<'_>, _: &Path) -> Option<Reference> {
+fn read_constant(constant: &mut Section<'_>, _: Tables<'_>) -> Option<Reference> {
     Some(Reference::Constant {
         position_rad: position(constant.doc("Position of the load."), "position_rad", None),
     })
 }
 
-fn read_step(step: &mut Section<'_>, _: &Path) -> Option<Reference> {
+fn read_step(step: &mut Section<'_>, _: Tables<'_>) -> Option<Reference> {
     Some(Reference::Step {
         before_rad: position(step.doc("Position before the jump."), "before_rad", None),
         after_rad: position(step.doc("Position from the jump on."), "after_rad", None),
@@ -76,7 +74,7 @@ fn read_step(step: &mut Section<'_>, _: &Path) -> Option<Reference> {
     })
 }
 
-fn read_sine(sine: &mut Section<'_>, _: &Path) -> Option<Reference> {
+fn read_sine(sine: &mut Section<'_>, _: Tables<'_>) -> Option<Reference> {
     Some(Reference::Sine {
         amplitude_rad: sine.doc("Half of peak to peak.").number("amplitude_rad", None, 0.0..=1e4),
         frequency_hz: sine.doc("Frequency.").number("frequency_hz", None, positive(1e4)),
@@ -85,7 +83,7 @@ fn read_sine(sine: &mut Section<'_>, _: &Path) -> Option<Reference> {
     })
 }
 
-fn read_trapezoid(move_: &mut Section<'_>, _: &Path) -> Option<Reference> {
+fn read_trapezoid(move_: &mut Section<'_>, _: Tables<'_>) -> Option<Reference> {
     Some(Reference::Trapezoid(Trapezoid {
         from_rad: position(move_.doc("Position before the move."), "from_rad", None),
         to_rad: position(move_.doc("Position after the move."), "to_rad", None),
@@ -99,7 +97,7 @@ fn read_trapezoid(move_: &mut Section<'_>, _: &Path) -> Option<Reference> {
     }))
 }
 
-fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
+fn read_table(table: &mut Section<'_>, tables: Tables<'_>) -> Option<Reference> {
     let interpolations = [("linear", Interpolation::Linear), ("hold", Interpolation::Hold)];
     let interpolation = table
         .doc("Positions between two points: on a line, or that of the point before.")
@@ -107,7 +105,7 @@ fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
     let file = table
         .doc("CSV file with the columns `time_s,position_rad`, relative to the folder of the scenario.")
         .text("file", Some("the path of a CSV file with the columns time_s,position_rad"))?;
-    match Table::from_file(&directory.join(file), interpolation.unwrap_or(Interpolation::Linear)) {
+    match tables.read(file, interpolation.unwrap_or(Interpolation::Linear)) {
         Ok(points) => Some(Reference::Table(points)),
         Err(error) => {
             if let Some(node) = table.node("file") {

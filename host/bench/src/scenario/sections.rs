@@ -71,6 +71,21 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
 }
 
 settings! {
+    /// `[line]`: a line between the law and the motor, in the plant's time.
+    pub struct LineSettings {
+        /// Constant delay of every torque, from its sample to the motor, in addition to the plant's own.
+        delay_us: u32 = integer_or(0, 0..=LONGEST_DELAY_US),
+        /// Upper end of a uniform random part of the delay. Torques keep their order.
+        jitter_us: u32 = integer_or(0, 0..=LONGEST_DELAY_US),
+        /// Fraction of torques that never arrive. The motor holds the last one.
+        loss: f64 = number_or(0.0, 0.0..=1.0),
+    }
+}
+
+/// As a plant's own delay.
+const LONGEST_DELAY_US: u32 = 1_000_000;
+
+settings! {
     /// `[encoders]`.
     pub struct EncoderSettings {
         /// Counts per revolution of the motor, after quadrature.

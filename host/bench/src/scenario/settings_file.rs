@@ -23,6 +23,14 @@ pub fn read<T>(
     from_str(&path.to_string_lossy(), &text, read)
 }
 
+/// The text of a file of settings.
+///
+/// # Errors
+/// The file can't be read, is larger than 1 MiB, or is no regular file of text in UTF-8.
+pub fn read_text(path: &Path, kind: &str) -> Result<String, ScenarioErrors> {
+    Ok(file::read(path, kind)?)
+}
+
 /// Reads a text; `name` is the file's name in errors.
 ///
 /// # Errors

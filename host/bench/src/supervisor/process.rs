@@ -11,7 +11,7 @@ use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::process::{Child, Command};
 use tokio::sync::oneshot;
 
-use crate::session::printable;
+use lashloop_session::printable;
 
 /// Longest line that is kept, in bytes.
 const LONGEST_LINE: u64 = 512;

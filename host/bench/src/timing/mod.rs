@@ -16,4 +16,4 @@ mod step_timing;
 
 pub use quantiles::Quantiles;
 pub use report::{ClockName, TimingReport, Timings};
-pub use step_timing::{RoundTrip, StepOutcome, StepTiming, Timestamps};
+pub use step_timing::{RoundTrip, StepOutcome, StepTiming};

@@ -1,8 +1,9 @@
 //! The timing of one step.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lashloop_protocol::message::TorqueAnswer;
+use lashloop_session::Timestamps;
 
 /// The outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,19 +14,6 @@ pub enum StepOutcome {
     Unanswered,
     /// The bench overslept the step: no sample was sent, the last torque was held.
     Missed,
-}
-
-/// The timestamps of one exchange on the bench's side, in wall-clock time.
-#[derive(Debug, Clone, Copy)]
-pub struct Timestamps {
-    /// Before the sample was written to the link.
-    pub asked: Instant,
-    /// When the link had taken the sample.
-    pub sent: Instant,
-    /// When the bytes that ended the wait were read.
-    pub arrived: Instant,
-    /// When those bytes were decoded.
-    pub decoded: Instant,
 }
 
 /// The parts of one round trip.

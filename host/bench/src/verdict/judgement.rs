@@ -123,8 +123,10 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// Every expectation, in the order of the scenario.
     pub expectations: Vec<JudgedExpectation>,
-    /// Why the verdict is INVALID; empty otherwise.
+    /// Limits of the scenario that link or timing exceeded; the verdict is then INVALID.
     pub breaches: Vec<Breach>,
+    /// Where the recorded motion leaves the plant model; the verdict is then INVALID.
+    pub gate: Option<String>,
 }
 
 impl Judgement {
@@ -147,7 +149,7 @@ impl Judgement {
         } else {
             Verdict::Fail
         };
-        Self { verdict, expectations, breaches }
+        Self { verdict, expectations, breaches, gate: None }
     }
 
     /// Lowers the verdict to `ceiling`, for a run that ended early: PASS to FAIL or INVALID, FAIL to INVALID, never upwards.
@@ -155,6 +157,12 @@ impl Judgement {
         if let Some(ceiling) = ceiling {
             self.verdict = self.verdict.max(ceiling);
         }
+    }
+
+    /// Makes the verdict INVALID: the run was on another plant than the model.
+    pub fn close_gate(&mut self, reason: String) {
+        self.gate = Some(reason);
+        self.cap(Some(Verdict::Invalid));
     }
 
     /// Makes the verdict FAIL, for a drive that breaks a rule of the protocol: what the line did explains none of it.

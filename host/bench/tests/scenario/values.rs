@@ -194,6 +194,11 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     profile = "constant"
     position_rad = 0.0
 
+    [line]
+    delay_us = 0
+    jitter_us = 0
+    loss = 0.0
+
     [link]
     answer_timeout_ms = 1000
     mean_wait_ms = 100

@@ -85,7 +85,7 @@ impl HiddenPlant {
     #[must_use]
     pub fn instruments(&self) -> Instruments {
         let [motor, load] = self.counts_per_rev;
-        Instruments::exact(motor, load, DELAY_US)
+        Instruments { noise_counts: self.noise_counts, ..Instruments::exact(motor, load, DELAY_US) }
     }
 
     /// The true value of a quantity by its name.

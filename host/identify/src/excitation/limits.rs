@@ -55,6 +55,11 @@ pub(super) const REST_S: f64 = 0.05;
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
 const REST_NOISE: f64 = 1.5;
+/// The same where noise is stated, for a slow motion hides in it.
+const REST_STATED_NOISE: f64 = 0.9;
+/// Largest change from the first half of the time to the second, in standard deviations of what the stated noise makes of it.
+/// An encoder at rest exceeds it now and then, and the motion is repeated.
+const REST_CHANGE: f64 = 0.5;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -79,12 +84,14 @@ pub struct Guard {
 #[derive(Debug, Clone)]
 struct Rest {
     samples: usize,
+    is_noisy: bool,
     counts: [Vec<f64>; 2],
 }
 
 impl Rest {
-    fn new(period_s: f64) -> Self {
-        Self { samples: ((REST_S / period_s).floor() as usize).max(3), counts: Default::default() }
+    fn new(period_s: f64, is_noisy: bool) -> Self {
+        let samples = ((REST_S / period_s).floor() as usize).max(3);
+        Self { samples, is_noisy, counts: Default::default() }
     }
 
     /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
@@ -94,18 +101,26 @@ impl Rest {
                 all.push(now as f64);
             }
         }
-        (self.counts[0].len() == self.samples).then(|| self.counts.iter().all(|counts| is_still(counts)))
+        (self.counts[0].len() == self.samples)
+            .then(|| self.counts.iter().all(|counts| is_still(counts, self.is_noisy)))
     }
 }
 
 /// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.
-fn is_still(counts: &[f64]) -> bool {
-    let number = counts.len() as f64;
-    let mean = counts.iter().sum::<f64>() / number;
+fn is_still(counts: &[f64], is_noisy: bool) -> bool {
+    let average = |counts: &[f64]| counts.iter().sum::<f64>() / counts.len() as f64;
+    let (number, mean) = (counts.len() as f64, average(counts));
     let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
     let noise =
         counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
-    variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt()
+    if !is_noisy {
+        return variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt();
+    }
+    let (first, second) = counts.split_at(counts.len() / 2);
+    let change = (average(second) - average(first)).abs();
+    // The difference of two halves has 4 / n of the variance.
+    variance.sqrt() <= REST_COUNTS + REST_STATED_NOISE * noise.sqrt()
+        && change <= REST_COUNTS.max(REST_CHANGE * 2.0 * (noise / number).sqrt())
 }
 
 /// Largest values of a motion so far.
@@ -131,7 +146,7 @@ impl Guard {
     ) -> Self {
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let (recent, first_load) = (VecDeque::new(), None);
-        let (rest, peaks) = (Some(Rest::new(period_s)), Peaks::default());
+        let (rest, peaks) = (Some(Rest::new(period_s, instruments.noise_counts > 0.0)), Peaks::default());
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 

@@ -209,7 +209,9 @@ impl<T: DriveTrain> Bench<'_, T> {
     /// Ramps the torque until the load moves. Returns the motion with the torque reached.
     fn breakaway(&mut self, sign: f64) -> Result<(Series, f64), CommissioningError<T::Error>> {
         let motion = motions::ramp(self.limits.torque_nm, sign, self.period_s);
-        let counts = BREAKAWAY_COUNTS.max(BREAKAWAY_RAD * self.instruments.load_counts_per_rad());
+        // Noise moves two readings apart by twice its amplitude.
+        let counts = BREAKAWAY_COUNTS.max(BREAKAWAY_RAD * self.instruments.load_counts_per_rad())
+            + 2.0 * self.instruments.noise_counts;
         let made = self.make(&motion, Some(counts.ceil() as i64))?;
         if made.halt.is_none() {
             let motor_counts = excursion(made.series.motor_counts());

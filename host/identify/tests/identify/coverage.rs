@@ -80,4 +80,6 @@ fn truth_is_within_the_interval_with_noise_of_the_encoders() {
     report("identification-noise.txt", &format!("identification with 2 counts of noise, {coverage}"));
     // Of ten plants one miss of a quantity is a tenth, so all quantities count together.
     assert!(coverage.fraction() >= 0.9, "{coverage}");
+    // The noise is known, so a model that leaves residuals of its size follows the motions.
+    assert!(coverage.follows(), "{coverage}");
 }

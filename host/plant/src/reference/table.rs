@@ -98,9 +98,29 @@ impl Table {
     pub fn from_file(file: &Path, interpolation: Interpolation) -> Result<Self, TableError> {
         let error = |kind| TableError { file: file.to_owned(), line: None, kind };
         let text = std::fs::read_to_string(file).map_err(|source| error(TableErrorKind::Read(source)))?;
+        Self::from_text(file, &text, interpolation)
+    }
+
+    /// As [`from_file`](Self::from_file), of a text. `file` is its source in errors.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file), except for reading the file.
+    pub fn from_text(file: &Path, text: &str, interpolation: Interpolation) -> Result<Self, TableError> {
         let points =
-            read_points(&text).map_err(|(line, kind)| TableError { file: file.to_owned(), line, kind })?;
+            read_points(text).map_err(|(line, kind)| TableError { file: file.to_owned(), line, kind })?;
         Ok(Self { file: file.to_owned(), interpolation, points })
+    }
+
+    /// The same points with another interpolation.
+    #[must_use]
+    pub fn interpolated(self, interpolation: Interpolation) -> Self {
+        Self { interpolation, ..self }
+    }
+
+    /// Source of the points.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        &self.file
     }
 
     /// The points as a CSV file, which reads back to the same bits.

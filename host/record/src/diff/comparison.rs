@@ -12,11 +12,14 @@ use super::metrics::{self, MetricDifference};
 use super::pairs::{Coverage, Pairs, microseconds, period_us};
 use super::record_files::RecordFiles;
 use super::scope::Scope;
-use super::settings::{SettingDifference, Settings};
+use super::settings::{Setting, settings};
 use super::signals::{At, SignalDifference, Signals, ValuePair};
 use super::timing::{self, TimingDifference};
 use super::tolerance::Tolerances;
 use crate::trace::TELEMETRY_TIME;
+
+/// Half of the resolution of the times that are compared.
+const HALF_US_S: f64 = 0.5e-6;
 
 /// What to compare, and how far values may be apart.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +56,7 @@ pub struct Comparison {
     /// The records.
     pub records: [RecordHead; 2],
     /// What was set differently. Settings are not judged: two devices may give the same results.
-    pub settings: Vec<SettingDifference>,
+    pub settings: Vec<Setting>,
     /// The metrics of both; none of an interrupted run.
     pub metrics: Vec<MetricDifference>,
     /// Whether metrics and verdict are judged.
@@ -156,7 +159,7 @@ impl Comparison {
             agreement: Agreement::Different,
             scope,
             records: records.each_ref().map(RecordHead::new),
-            settings: settings(records),
+            settings: settings(records).into_iter().filter(|it| !it.is_same()).collect(),
             metrics: metrics.into_iter().filter(|it| options.has(&it.name)).collect(),
             metrics_are_judged: is_whole && scope == Scope::All,
             timing: timing::compare(records.each_ref().map(|it| it.summary.as_ref())),
@@ -166,21 +169,32 @@ impl Comparison {
             signals_of_one: signals.alone,
             signals_of_two_units: signals.other_unit,
         };
-        comparison.agreement = comparison.agreement(options);
+        let is_covered = match scope {
+            // What either record lacks from there on is not judged.
+            Scope::RealTime { until_s: Some(until_s) } => {
+                let judged_s = *options.window_s.start()..=options.window_s.end().min(until_s - HALF_US_S);
+                Pairs::new(times_s, &judged_s).coverage.is_equal()
+            }
+            _ => comparison.coverage.is_equal(),
+        };
+        comparison.agreement = comparison.agreement(is_covered, is_whole && options.only.is_empty());
         Ok(comparison)
     }
 
-    fn agreement(&self, options: &DiffOptions) -> Agreement {
-        let verdicts_count = self.metrics_are_judged && options.only.is_empty();
-        let [a, b] = self.records.each_ref().map(|it| it.verdict.as_ref().zip(it.end.as_ref()));
-        let is_covered = match self.scope {
-            // The last step before a late one ends the comparison.
-            Scope::RealTime { until_s: Some(_) } => true,
-            _ => self.coverage.is_equal(),
-        };
-        let agrees = is_covered
-            && self.signals.iter().any(|it| it.compared > 0)
-            && (!verdicts_count || (a.is_some() && a == b))
+    /// Whether no value is judged.
+    pub(super) fn judges_nothing(&self) -> bool {
+        let has_metrics = self.metrics_are_judged && !self.metrics.is_empty();
+        !has_metrics && self.signals.iter().all(|it| it.compared == 0)
+    }
+
+    /// `is_covered`: both records have every row that is judged. `ends_count`: so does the end of the run.
+    fn agreement(&self, is_covered: bool, ends_count: bool) -> Agreement {
+        let ends = self.records.each_ref().map(|it| it.end.as_ref());
+        let verdicts = self.records.each_ref().map(|it| it.verdict.as_ref());
+        let is_same = |[a, b]: [Option<&String>; 2]| a.is_some() && a == b;
+        let agrees = (is_covered || self.signals.is_empty())
+            && !self.judges_nothing()
+            && (!ends_count || (is_same(ends) && (!self.metrics_are_judged || is_same(verdicts))))
             && (!self.metrics_are_judged || self.metrics.iter().all(|it| it.within))
             && self.signals.iter().all(|it| it.within)
             && self.signals_of_one.iter().all(Vec::is_empty)
@@ -216,18 +230,6 @@ impl RecordHead {
             rows: files.record.trace.len(),
         }
     }
-}
-
-/// Settings that both records can have: an older one lacks manifest and scenario.
-fn settings([a, b]: &[RecordFiles; 2]) -> Vec<SettingDifference> {
-    let both_have = |file: fn(&RecordFiles) -> &Option<Value>| file(a).is_some() && file(b).is_some();
-    let of = |files: &RecordFiles| {
-        let has_manifest = both_have(|it| &it.manifest);
-        let manifest = if has_manifest { &files.manifest } else { &files.summary };
-        let scenario = files.scenario.as_ref().filter(|_| both_have(|it| &it.scenario));
-        Settings::new(manifest.as_ref(), scenario)
-    };
-    of(a).differences(&of(b))
 }
 
 fn check_names<'a>(

@@ -1,9 +1,11 @@
 //! Values with the digits that they deserve.
 
+use lashloop_bench::number::six_digits;
+
 /// A value with six significant digits.
 #[must_use]
 pub fn figure(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let rounded = six_digits(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
         1e-4..1e7 => rounded.to_string(),

@@ -31,7 +31,9 @@ impl MetricDifference {
         Some(b - a)
     }
 
-    pub(super) fn has_equal_bits(&self) -> bool {
+    /// Whether both records have the same bits, or neither a value.
+    #[must_use]
+    pub fn has_equal_bits(&self) -> bool {
         let [a, b] = self.values.map(|it| it.map(f64::to_bits));
         a == b
     }

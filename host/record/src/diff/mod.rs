@@ -32,7 +32,7 @@ pub use metrics::MetricDifference;
 pub use pairs::Coverage;
 pub use record_files::RecordFiles;
 pub use scope::Scope;
-pub use settings::{Group, SettingDifference};
+pub use settings::{Group, Setting, settings};
 pub use signals::{At, SignalDifference, ValuePair};
 pub use timing::TimingDifference;
 pub use tolerance::{Tolerance, ToleranceOf, Tolerances};

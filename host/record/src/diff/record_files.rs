@@ -10,7 +10,7 @@ use serde_json::Value;
 use toml_edit::de;
 
 use super::error::DiffError;
-use crate::file_names::{MANIFEST_FILE, SAMPLES_FILE, SCENARIO_FILE, SUMMARY_FILE};
+use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::reader::Record;
 
 /// A record with everything that says what was run. Manifest and summary are read as they are, so that a comparison
@@ -52,7 +52,7 @@ impl RecordFiles {
         });
         let manifest = json(MANIFEST_FILE)?;
         Ok(Self {
-            has_every_bit: manifest.is_none() || folder.join(SAMPLES_FILE).exists(),
+            has_every_bit: manifest.is_none() || record.is_of_samples(),
             name: folder.display().to_string(),
             record,
             manifest,
@@ -86,10 +86,10 @@ impl RecordFiles {
         self.entry("device_description").or_else(|| self.entry("device"))?.as_str()
     }
 
-    /// How often a lost drive came back.
+    /// How often a lost drive came back; `None` for an interrupted run.
     #[must_use]
-    pub fn resumes(&self) -> u64 {
-        self.summary.as_ref().and_then(|summary| summary["link"]["resumes"].as_u64()).unwrap_or(0)
+    pub fn resumes(&self) -> Option<u64> {
+        self.summary.as_ref()?["link"]["resumes"].as_u64()
     }
 
     /// An entry of the manifest, or else of the summary.

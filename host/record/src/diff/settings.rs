@@ -2,10 +2,12 @@
 //!
 //! Keys are those of the files, so that a further entry of the manifest is compared without a change here.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use serde_json::Value;
+
+use super::record_files::RecordFiles;
 
 /// What a setting belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -25,24 +27,55 @@ pub enum Group {
     Host,
 }
 
-/// A setting that differs.
+/// A setting of several records.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct SettingDifference {
+pub struct Setting {
     /// What it belongs to.
     pub group: Group,
     /// Its key.
     pub key: String,
-    /// The values; `None` in a record that lacks the key.
-    pub values: [Option<String>; 2],
+    /// The value in each record; `None` in a record that lacks the key.
+    pub values: Vec<Option<String>>,
+}
+
+impl Setting {
+    /// Whether all records have the same value.
+    #[must_use]
+    pub fn is_same(&self) -> bool {
+        self.values.windows(2).all(|pair| pair[0] == pair[1])
+    }
+}
+
+/// The settings that all these records can have, in the order of groups and keys: an older one lacks manifest and scenario.
+#[must_use]
+pub fn settings(records: &[RecordFiles]) -> Vec<Setting> {
+    let all_have = |file: fn(&RecordFiles) -> &Option<Value>| records.iter().all(|it| file(it).is_some());
+    let (has_manifest, has_scenario) = (all_have(|it| &it.manifest), all_have(|it| &it.scenario));
+    let of = |files: &RecordFiles| {
+        let manifest = if has_manifest { &files.manifest } else { &files.summary };
+        Settings::new(manifest.as_ref(), files.scenario.as_ref().filter(|_| has_scenario))
+    };
+    side_by_side(&records.iter().map(of).collect::<Vec<_>>())
+}
+
+fn side_by_side(records: &[Settings]) -> Vec<Setting> {
+    let keys: BTreeSet<_> = records.iter().flat_map(|it| it.0.keys()).collect();
+    let setting = |key: &(Group, String)| Setting {
+        group: key.0,
+        key: key.1.clone(),
+        values: records.iter().map(|it| it.0.get(key).cloned()).collect(),
+    };
+    keys.into_iter().map(setting).collect()
 }
 
 /// The settings of a record.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Settings(BTreeMap<(Group, String), String>);
+struct Settings(BTreeMap<(Group, String), String>);
 
 /// Entries of a manifest or summary that are no settings, or repeat the scenario's keys.
-const NO_SETTINGS: [&str; 8] = [
+const NO_SETTINGS: [&str; 9] = [
     "command_line",
+    "working_directory",
     "started",
     "overrides",
     "signals",
@@ -56,7 +89,7 @@ const OF_SCENARIO: [&str; 6] = ["seed", "mode", "law", "controller", "period_us"
 
 impl Settings {
     /// `manifest` is that of the record, or the summary of an older one; `scenario` the resolved scenario.
-    pub(super) fn new(manifest: Option<&Value>, scenario: Option<&Value>) -> Self {
+    fn new(manifest: Option<&Value>, scenario: Option<&Value>) -> Self {
         let mut settings = Self::default();
         if let Some(scenario) = scenario {
             settings.flatten(Group::Scenario, "", scenario);
@@ -68,9 +101,10 @@ impl Settings {
                 ("scenario", Value::Object(scenario)) => {
                     settings.flatten(Group::Run, "scenario", scenario.get("name").unwrap_or(&Value::Null));
                 }
+                ("plant_files", files) => settings.take_files(Group::Run, Some(files)),
                 ("parameters", Value::Array(parameters)) => settings.take_parameters(parameters),
                 ("evidence", Value::Object(evidence)) => {
-                    settings.take_files(evidence.get("files"));
+                    settings.take_files(Group::Drive, evidence.get("files"));
                     settings.flatten(
                         Group::Bench,
                         "build",
@@ -94,21 +128,6 @@ impl Settings {
             }
         }
         settings
-    }
-
-    /// The settings that differ, in the order of groups and keys.
-    pub(super) fn differences(&self, other: &Self) -> Vec<SettingDifference> {
-        let mut keys: Vec<_> = self.0.keys().chain(other.0.keys()).collect();
-        keys.sort_unstable();
-        keys.dedup();
-        let differing = keys.into_iter().filter(|key| self.0.get(key) != other.0.get(key));
-        differing
-            .map(|key @ (group, name)| SettingDifference {
-                group: *group,
-                key: name.clone(),
-                values: [self.0.get(key).cloned(), other.0.get(key).cloned()],
-            })
-            .collect()
     }
 
     fn flatten(&mut self, group: Group, path: &str, value: &Value) {
@@ -141,12 +160,12 @@ impl Settings {
     }
 
     /// By the file's name: its folder is no property of the run.
-    fn take_files(&mut self, files: Option<&Value>) {
+    fn take_files(&mut self, group: Group, files: Option<&Value>) {
         for file in files.and_then(Value::as_array).into_iter().flatten() {
             let text = |key: &str| file.get(key).map(plain).unwrap_or_default();
             let path = text("path");
             let name = path.rsplit('/').next().unwrap_or(&path);
-            self.0.insert((Group::Drive, format!("sha256 of {name}")), text("sha256"));
+            self.0.insert((group, format!("sha256 of {name}")), text("sha256"));
         }
     }
 }
@@ -171,8 +190,10 @@ mod tests {
     use super::*;
 
     fn found(a: &Settings, b: &Settings) -> Vec<(Group, String, Option<String>, Option<String>)> {
-        let differences = a.differences(b).into_iter();
-        differences.map(|SettingDifference { group, key, values: [a, b] }| (group, key, a, b)).collect()
+        let differing = side_by_side(&[a.clone(), b.clone()]).into_iter().filter(|it| !it.is_same());
+        differing
+            .map(|Setting { group, key, values }| (group, key, values[0].clone(), values[1].clone()))
+            .collect()
     }
 
     fn some(text: &str) -> Option<String> {
@@ -184,7 +205,7 @@ mod tests {
         let of = |kp: f64, fault: Value, parameters: Value| {
             let scenario = json!({"controller": {"name": "pd", "parameters": {"kp": kp}}, "fault": fault});
             let manifest = json!({
-                "format": 2, "seed": 1, "command_line": [kp.to_string()], "started": kp.to_string(),
+                "format": 2, "seed": 1, "command_line": [kp.to_string()], "working_directory": kp.to_string(), "started": kp.to_string(),
                 "parameters": parameters
             });
             Settings::new(Some(&manifest), Some(&scenario))

@@ -20,19 +20,35 @@ impl fmt::Display for Comparison {
         self.write_timing(out)?;
         self.write_coverage(out)?;
         self.write_signals(out)?;
-        out.write_str(match (self.agreement, self.scope) {
-            (Agreement::Bits, Scope::All) => "\nEQUAL bit for bit",
-            (Agreement::Bits, _) => "\nEQUAL bit for bit in what is judged",
-            (Agreement::Tolerance, _) => "\nEQUAL within the tolerance",
-            (Agreement::Different, _) if self.signals.iter().all(|it| it.compared == 0) => {
-                "\nDIFFERENT: nothing can be judged"
-            }
-            (Agreement::Different, _) => "\nDIFFERENT",
-        })
+        write!(out, "\n{}", self.result())
     }
 }
 
 impl Comparison {
+    /// The result as a line.
+    #[must_use]
+    pub fn result(&self) -> &'static str {
+        match (self.agreement, self.scope) {
+            (Agreement::Bits, Scope::All) => "EQUAL bit for bit",
+            (Agreement::Bits, _) => "EQUAL bit for bit in what is judged",
+            (Agreement::Tolerance, _) => "EQUAL within the tolerance",
+            (Agreement::Different, _) if self.judges_nothing() => "DIFFERENT: nothing can be judged",
+            (Agreement::Different, _) => "DIFFERENT",
+        }
+    }
+
+    /// The rows compared, and what of them is judged, in lines.
+    #[must_use]
+    pub fn extent(&self) -> String {
+        struct Extent<'a>(&'a Comparison);
+        impl fmt::Display for Extent<'_> {
+            fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.write_coverage(out)
+            }
+        }
+        Extent(self).to_string().trim().to_owned()
+    }
+
     fn write_heads(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (letter, head) in ["A", "B"].iter().zip(&self.records) {
             let verdict = head.verdict.as_deref().unwrap_or("no verdict, the run was interrupted");
@@ -55,11 +71,8 @@ impl Comparison {
             return writeln!(out, "\nSet differently: nothing");
         }
         let rows = self.settings.iter().map(|it| {
-            let [a, b] = it
-                .values
-                .each_ref()
-                .map(|value| value.as_ref().map_or_else(|| "-".to_owned(), |it| short(it)));
-            [it.group.to_string(), it.key.clone(), a, b]
+            let value = |side: usize| it.values[side].as_ref().map_or_else(|| "-".to_owned(), |it| short(it));
+            [it.group.to_string(), it.key.clone(), value(0), value(1)]
         });
         write_table(out, "\nSet differently", ["", "", "A", "B"], rows, 4)
     }

@@ -34,10 +34,10 @@ pub(super) fn step_fields(signals: &SignalTable) -> Vec<Field> {
         let ty = if column.name.ends_with("_counts") { FieldType::Int32 } else { FieldType::Float32 };
         Field { ty, column }
     });
-    // Whole nanoseconds take fewer bytes than a real number of microseconds, and lose nothing. An i32 ends at 2.1 s.
+    // Whole nanoseconds take fewer bytes than a real number of microseconds, and lose nothing.
     let timing = timing_columns().map(|(name, unit)| match unit {
         "us" => {
-            Field { ty: FieldType::Int32, column: Signal { name: in_ns(name).into(), unit: "ns".into() } }
+            Field { ty: FieldType::Int64, column: Signal { name: in_ns(name).into(), unit: "ns".into() } }
         }
         _ => Field { ty: FieldType::UInt8, column: Signal::new(name, unit) },
     });

@@ -15,13 +15,15 @@ pub(crate) const SCHEMA_ENCODING: &str = "ros1msg";
 pub(crate) enum FieldType {
     Float64,
     Float32,
+    Int64,
     Int32,
     UInt8,
 }
 
-const TYPES: [(&str, FieldType); 4] = [
+const TYPES: [(&str, FieldType); 5] = [
     ("float64", FieldType::Float64),
     ("float32", FieldType::Float32),
+    ("int64", FieldType::Int64),
     ("int32", FieldType::Int32),
     ("uint8", FieldType::UInt8),
 ];
@@ -38,6 +40,7 @@ impl FieldType {
         match self {
             Self::Float64 => "float64",
             Self::Float32 => "float32",
+            Self::Int64 => "int64",
             Self::Int32 => "int32",
             Self::UInt8 => "uint8",
         }
@@ -48,6 +51,7 @@ impl FieldType {
         match self {
             Self::Float64 => bytes.extend_from_slice(&value.to_le_bytes()),
             Self::Float32 => bytes.extend_from_slice(&(value as f32).to_le_bytes()),
+            Self::Int64 => bytes.extend_from_slice(&(value as i64).to_le_bytes()),
             Self::Int32 => bytes.extend_from_slice(&(value as i32).to_le_bytes()),
             Self::UInt8 => bytes.push(value as u8),
         }
@@ -63,6 +67,8 @@ impl FieldType {
         Some(match self {
             Self::Float64 => f64::from_le_bytes(split(bytes)?),
             Self::Float32 => f32::from_le_bytes(split(bytes)?).into(),
+            // Times in ns: exact for 104 days.
+            Self::Int64 => i64::from_le_bytes(split(bytes)?) as f64,
             Self::Int32 => i32::from_le_bytes(split(bytes)?).into(),
             Self::UInt8 => split::<1>(bytes)?[0].into(),
         })
@@ -152,11 +158,12 @@ mod tests {
             field(FieldType::Float32, "b", ""),
             field(FieldType::Int32, "c", ""),
             field(FieldType::UInt8, "d", ""),
+            field(FieldType::Int64, "e", ""),
         ];
-        let values = [-1.0 / 3.0, f64::from(0.1_f32), -8_388_608.0, 1.0];
+        let values = [-1.0 / 3.0, f64::from(0.1_f32), -8_388_608.0, 1.0, 9e15];
         let mut bytes = Vec::new();
         encode(&fields, values, &mut bytes);
-        assert_eq!(bytes.len(), 8 + 4 + 4 + 1);
+        assert_eq!(bytes.len(), 8 + 4 + 4 + 1 + 8);
         let mut read = Vec::new();
         assert!(decode(&fields, &bytes, &mut read));
         assert_eq!(read.iter().map(|it| it.to_bits()).collect::<Vec<_>>(), values.map(f64::to_bits));

@@ -7,17 +7,20 @@
 //! | `/fault` | kind, first step and first step after an injected fault; written at the end | its begin | end of the run |
 //! | `/log` | a text of the drive or about it; written at the end | end of the run | the same |
 //!
-//! Times are in ns since the start of the run, and the sequence number of `/step` and `/drive` is the step. Chunks are
+//! Times are in ns since the start of the run. A telemetry has the time of its sample; its sequence number is the step that
+//! it arrived in. The sequence number of `/step` is 0: its time has the step, and an equal number takes no bytes. Chunks are
 //! compressed by Zstandard and written whole, at the same steps as the rows of the tables. There are no message indexes,
 //! which would add a fifth to the file.
 
 mod columns;
+mod events;
 mod layout;
 mod reader;
 mod sink;
 mod table;
 mod writer;
 
+pub use events::{RecordedEdge, RecordedText};
 pub use reader::{Samples, SamplesError};
 pub use table::write_table;
 pub use writer::SampleWriter;

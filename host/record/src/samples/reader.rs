@@ -1,14 +1,19 @@
 //! Reads `run.mcap`, also of an interrupted run.
 
+use std::collections::HashMap;
 use std::fs;
 use std::io;
 use std::path::Path;
 
 use lashloop_plant::Signal;
-use mcap::read::Options;
-use mcap::{Channel, McapError, Message, MessageStream};
+use mcap::McapError;
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::{Channel, MessageHeader, Record};
 
-use super::columns::{DRIVE_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns};
+use super::columns::{
+    DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
+};
+use super::events::{self, RecordedEdge, RecordedText};
 use super::layout::{Field, decode, fields};
 use crate::columns::Columns;
 use crate::trace::{TELEMETRY_TIME, TIME, sent_columns};
@@ -20,7 +25,11 @@ pub struct Samples {
     pub trace: Columns,
     /// Timing of each step.
     pub timing: Columns,
-    /// Whether the file has no end, or ends within a chunk that was omitted.
+    /// Begins and ends of injected faults.
+    pub faults: Vec<RecordedEdge>,
+    /// Texts of the drive.
+    pub logs: Vec<RecordedText>,
+    /// Whether the file ends within a chunk, which is omitted.
     pub is_torn: bool,
 }
 
@@ -55,67 +64,94 @@ impl Samples {
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
-        let is_torn = !bytes.ends_with(mcap::MAGIC);
-        let (mut steps, mut drive) = (Messages::default(), Messages::default());
-        for message in MessageStream::new_with_options(&bytes, Options::IgnoreEndMagic.into())? {
-            match message {
-                Ok(message) if message.channel.topic == STEP_TOPIC => steps.take(&message)?,
-                Ok(message) if message.channel.topic == DRIVE_TOPIC => drive.take(&message)?,
+        let has_end = bytes.ends_with(mcap::MAGIC);
+        let mut is_torn = false;
+        let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
+        let (mut faults, mut logs) = (Vec::new(), Vec::new());
+        let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
+        for record in ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into())? {
+            match record {
+                Ok(Record::Schema { header, data }) => {
+                    schemas.insert(header.id, data.into_owned());
+                }
+                // From the channels, not from the messages: a run may be cut before the first telemetry.
+                Ok(Record::Channel(channel)) => {
+                    let schema = schemas.get(&channel.schema_id);
+                    [&mut steps, &mut drive].into_iter().try_for_each(|it| it.begin(&channel, schema))?;
+                    topics.insert(channel.id, channel.topic);
+                }
+                Ok(Record::Message { header, data }) => {
+                    let at = steps.step_at(header.log_time);
+                    match topics.get(&header.channel_id).map(String::as_str) {
+                        Some(STEP_TOPIC) => steps.take(at, &header, &data)?,
+                        Some(DRIVE_TOPIC) => drive.take(header.sequence.into(), &header, &data)?,
+                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, &data)),
+                        Some(LOG_TOPIC) => logs.extend(events::text(at, &data)),
+                        _ => {}
+                    }
+                }
+                // What follows repeats schemas and channels.
+                Ok(Record::DataEnd(_)) => break,
                 Ok(_) => {}
-                Err(_) if is_torn => break,
+                Err(_) if !has_end => {
+                    is_torn = true;
+                    break;
+                }
                 Err(error) => return Err(error.into()),
             }
         }
-        Ok(Self::assembled(steps, &drive, is_torn))
+        let (trace, timing) = assembled(steps, &drive);
+        Ok(Self { trace, timing, faults, logs, is_torn })
     }
+}
 
-    fn assembled(mut steps: Messages, drive: &Messages, is_torn: bool) -> Self {
-        let (period_s, period_ns) = (f64::from(steps.period_us) / 1e6, 1000.0 * f64::from(steps.period_us));
-        let numbers = steps.numbers.iter().map(|number| f64::from(*number));
-        let time_s = numbers.clone().map(|number| number * period_s).collect();
-        let number = numbers.collect();
-        // The telemetry in force in each step.
-        let mut latest = None;
-        let mut arrived = (0..).zip(&drive.numbers).peekable();
-        let telemetry: Vec<Option<usize>> = (steps.numbers.iter())
-            .map(|step| {
-                while let Some((row, _)) = arrived.next_if(|(_, number)| *number <= step) {
-                    latest = Some(row);
-                }
-                latest
-            })
-            .collect();
-        let repeated = |values: &[f64]| {
-            telemetry.iter().map(|row| row.map_or(f64::NAN, |row| values[row])).collect::<Vec<_>>()
-        };
-        let sent_at = |ns: &u64| (*ns as f64 / period_ns).round() * period_s;
-        let telemetry_time_s: Vec<_> = drive.times_ns.iter().map(sent_at).collect();
-        let drive_columns = drive.fields.iter().zip(&drive.values);
-        let drive_columns = drive_columns.map(|(field, values)| (field.column.clone(), repeated(values)));
-
-        let sampled = steps.remove(SAMPLED);
-        let mut sent = Vec::new();
-        for column in sent_columns() {
-            let mut values = steps.remove(&column.name);
-            for (value, _) in values.iter_mut().zip(&sampled).filter(|(_, sampled)| **sampled == 0.0) {
-                *value = f64::NAN;
+/// The columns of the trace, and those of the timing.
+fn assembled(mut steps: Messages, drive: &Messages) -> (Columns, Columns) {
+    let (period_s, period_ns) = (f64::from(steps.period_us) / 1e6, 1000.0 * f64::from(steps.period_us));
+    let numbers = steps.numbers.iter().map(|number| *number as f64);
+    let time_s = numbers.clone().map(|number| number * period_s).collect();
+    let number = numbers.collect();
+    // The telemetry in force in each step.
+    let mut latest = None;
+    let mut arrived = (0..).zip(&drive.numbers).peekable();
+    let telemetry: Vec<Option<usize>> = (steps.numbers.iter())
+        .map(|step| {
+            while let Some((row, _)) = arrived.next_if(|(_, number)| *number <= step) {
+                latest = Some(row);
             }
-            sent.push((column, values));
+            latest
+        })
+        .collect();
+    let repeated = |values: &[f64]| {
+        telemetry.iter().map(|row| row.map_or(f64::NAN, |row| values[row])).collect::<Vec<_>>()
+    };
+    let sent_at = |ns: &u64| (*ns as f64 / period_ns).round() * period_s;
+    let telemetry_time_s: Vec<_> = drive.times_ns.iter().map(sent_at).collect();
+    let drive_columns = drive.fields.iter().zip(&drive.values);
+    let drive_columns = drive_columns.map(|(field, values)| (field.column.clone(), repeated(values)));
+
+    let sampled = steps.remove(SAMPLED);
+    let mut sent = Vec::new();
+    for column in sent_columns() {
+        let mut values = steps.remove(&column.name);
+        for (value, _) in values.iter_mut().zip(&sampled).filter(|(_, sampled)| **sampled == 0.0) {
+            *value = f64::NAN;
         }
-        let mut timing = vec![(Signal::new("step", ""), number)];
-        for (name, unit) in timing_columns() {
-            let values = match unit {
-                "us" => steps.remove(&in_ns(name)).into_iter().map(microseconds).collect(),
-                _ => steps.remove(name),
-            };
-            timing.push((Signal::new(name, unit), values));
-        }
-        let truth = steps.fields.into_iter().map(|field| field.column).zip(steps.values);
-        let trace = [(Signal::new(TIME, "s"), time_s)].into_iter().chain(truth).chain(drive_columns);
-        let last = (Signal::new(TELEMETRY_TIME, "s"), repeated(&telemetry_time_s));
-        let trace = Columns::from_parts(trace.chain([last]).chain(sent));
-        Self { trace, timing: Columns::from_parts(timing), is_torn }
+        sent.push((column, values));
     }
+    let mut timing = vec![(Signal::new("step", ""), number)];
+    for (name, unit) in timing_columns() {
+        let values = match unit {
+            "us" => steps.remove(&in_ns(name)).into_iter().map(microseconds).collect(),
+            _ => steps.remove(name),
+        };
+        timing.push((Signal::new(name, unit), values));
+    }
+    let truth = steps.fields.into_iter().map(|field| field.column).zip(steps.values);
+    let trace = [(Signal::new(TIME, "s"), time_s)].into_iter().chain(truth).chain(drive_columns);
+    let last = (Signal::new(TELEMETRY_TIME, "s"), repeated(&telemetry_time_s));
+    let trace = Columns::from_parts(trace.chain([last]).chain(sent));
+    (trace, Columns::from_parts(timing))
 }
 
 fn microseconds(ns: f64) -> f64 {
@@ -123,40 +159,59 @@ fn microseconds(ns: f64) -> f64 {
 }
 
 /// The messages of a topic, field by field.
-#[derive(Default)]
 struct Messages {
+    topic: &'static str,
+    /// `None` before the channel of the topic.
+    channel: Option<u16>,
     fields: Vec<Field>,
     values: Vec<Vec<f64>>,
-    numbers: Vec<u32>,
+    /// Steps of the messages.
+    numbers: Vec<u64>,
     times_ns: Vec<u64>,
     period_us: u32,
     message: Vec<f64>,
 }
 
 impl Messages {
-    fn take(&mut self, message: &Message<'_>) -> Result<(), SamplesError> {
-        let topic = || message.channel.topic.clone();
-        if self.numbers.is_empty() {
-            self.begin(&message.channel).ok_or_else(|| SamplesError::Schema { topic: topic() })?;
-        }
+    fn of(topic: &'static str) -> Self {
+        let (fields, values, message) = (Vec::new(), Vec::new(), Vec::new());
+        let (numbers, times_ns) = (Vec::new(), Vec::new());
+        Self { topic, channel: None, fields, values, numbers, times_ns, period_us: 0, message }
+    }
+
+    /// Takes the message of a step.
+    fn take(&mut self, number: u64, header: &MessageHeader, data: &[u8]) -> Result<(), SamplesError> {
         self.message.clear();
-        if !decode(&self.fields, &message.data, &mut self.message) {
-            return Err(SamplesError::Message { topic: topic() });
+        if !decode(&self.fields, data, &mut self.message) {
+            return Err(SamplesError::Message { topic: self.topic.to_owned() });
         }
         for (values, value) in self.values.iter_mut().zip(&self.message) {
             values.push(*value);
         }
-        self.numbers.push(message.sequence);
-        self.times_ns.push(message.log_time);
+        self.numbers.push(number);
+        self.times_ns.push(header.log_time);
         Ok(())
     }
 
-    fn begin(&mut self, channel: &Channel<'_>) -> Option<()> {
-        let schema = channel.schema.as_ref()?;
-        self.fields = fields(std::str::from_utf8(&schema.data).ok()?)?;
-        self.values = vec![Vec::new(); self.fields.len()];
-        self.period_us = channel.metadata.get(PERIOD_US)?.parse().ok()?;
-        Some(())
+    /// Takes the fields of the channel, if it is that of the topic.
+    fn begin(&mut self, channel: &Channel, schema: Option<&Vec<u8>>) -> Result<(), SamplesError> {
+        if channel.topic != self.topic || self.channel.is_some() {
+            return Ok(());
+        }
+        let fields = schema.and_then(|schema| fields(std::str::from_utf8(schema).ok()?));
+        let period_us = channel.metadata.get(PERIOD_US).and_then(|text| text.parse().ok());
+        let (Some(fields), Some(period_us)) = (fields, period_us) else {
+            return Err(SamplesError::Schema { topic: self.topic.to_owned() });
+        };
+        (self.channel, self.period_us) = (Some(channel.id), period_us);
+        self.values = vec![Vec::new(); fields.len()];
+        self.fields = fields;
+        Ok(())
+    }
+
+    /// The step of a time.
+    fn step_at(&self, time_ns: u64) -> u64 {
+        time_ns / (1000 * u64::from(self.period_us)).max(1)
     }
 
     /// Takes a field out. Without messages it has no values.

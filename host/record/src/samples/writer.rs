@@ -6,8 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
-use lashloop_bench::fault::log::FaultRecord;
-use lashloop_bench::run::Step;
+use lashloop_bench::run::{Event, Step};
 use lashloop_plant::metrics::SignalTable;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -16,12 +15,10 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::columns::{
     DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, PERIOD_US, STEP_TOPIC, drive_fields, step_fields, step_values,
 };
+use super::events::{self, FAULT_SCHEMA, LOG_SCHEMA};
 use super::layout::{Field, MESSAGE_ENCODING, SCHEMA_ENCODING, encode, schema};
 use super::sink::Sink;
 use crate::file_names::SAMPLES_FILE;
-
-const FAULT_SCHEMA: &str = "string kind\nuint32 step\nuint32 until_step # 4294967295 to the end of the run\n";
-const LOG_SCHEMA: &str = "string text\n";
 
 /// Writes the samples of a run.
 pub struct SampleWriter {
@@ -29,6 +26,9 @@ pub struct SampleWriter {
     file: Writer<NoSeek<Sink>>,
     step: Topic,
     drive: Topic,
+    faults: u16,
+    logs: u16,
+    events: u64,
     period_ns: u64,
     steps: u64,
     /// Time of the sample of the last telemetry, for what repeats it.
@@ -79,12 +79,21 @@ impl SampleWriter {
         };
         let step = topic(STEP_TOPIC, "lashloop/Step", step_fields(signals))?;
         let drive = topic(DRIVE_TOPIC, "lashloop/Drive", drive_fields(signals))?;
+        let mut channel = |topic: &str, name: &str, schema: &str| {
+            let schema_id = file.add_schema(name, SCHEMA_ENCODING, schema.as_bytes())?;
+            file.add_channel(schema_id, topic, MESSAGE_ENCODING, &BTreeMap::new())
+        };
+        let faults = channel(FAULT_TOPIC, "lashloop/Fault", FAULT_SCHEMA)?;
+        let logs = channel(LOG_TOPIC, "lashloop/Log", LOG_SCHEMA)?;
         file.flush()?;
         Ok(Self {
             path,
             file,
             step,
             drive,
+            faults,
+            logs,
+            events: 0,
             period_ns: 1000 * u64::from(period_us),
             steps: first_step,
             telemetry_time_s: None,
@@ -101,7 +110,7 @@ impl SampleWriter {
         self.steps += 1;
         self.message.clear();
         encode(&self.step.fields, step_values(number, step), &mut self.message);
-        let mut result = self.write(self.step.channel, number, now_ns, now_ns);
+        let mut result = self.write(self.step.channel, 0, now_ns, now_ns);
         if step.drive.time_s != self.telemetry_time_s && !self.drive.fields.is_empty() {
             self.telemetry_time_s = step.drive.time_s;
             let time_ns = step.drive.time_s.map_or(0, |time_s| (time_s * 1e9).round() as u64);
@@ -109,6 +118,23 @@ impl SampleWriter {
             encode(&self.drive.fields, step.drive.values.iter().copied(), &mut self.message);
             result = result.and_then(|()| self.write(self.drive.channel, number, time_ns, now_ns));
         }
+        result.map_err(|error| written(&self.path, error))
+    }
+
+    /// Appends an event of a step. It gets to the file as a step does.
+    ///
+    /// # Errors
+    /// The event can't be written.
+    pub fn push_event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.message.clear();
+        events::encode(event, &mut self.message);
+        let (channel, step) = match event {
+            Event::Fault(edge) => (self.faults, edge.step),
+            Event::Log(_) => (self.logs, step),
+        };
+        let (time_ns, now_ns) = (u64::from(step) * self.period_ns, self.steps * self.period_ns);
+        let result = self.write(channel, self.events, time_ns, now_ns);
+        self.events += 1;
         result.map_err(|error| written(&self.path, error))
     }
 
@@ -131,57 +157,18 @@ impl SampleWriter {
         self.file.flush().map_err(|error| written(&self.path, error))
     }
 
-    /// Writes faults, logs, the summary as an attachment, and the end of the file.
+    /// Writes the summary as an attachment, and the end of the file.
     ///
     /// # Errors
     /// They can't be written.
-    pub fn finish(
-        mut self,
-        faults: &[FaultRecord],
-        logs: &[String],
-        summary: (&str, &str),
-    ) -> Result<(), WriteError> {
-        let result = self.end(faults, logs, summary);
-        result.map_err(|error| written(&self.path, error))
-    }
-
-    fn end(
-        &mut self,
-        faults: &[FaultRecord],
-        logs: &[String],
-        (name, summary): (&str, &str),
-    ) -> Result<(), McapError> {
-        let end_ns = self.steps * self.period_ns;
-        let mut channel = |topic: &str, name: &str, schema: &str| {
-            let schema_id = self.file.add_schema(name, SCHEMA_ENCODING, schema.as_bytes())?;
-            self.file.add_channel(schema_id, topic, MESSAGE_ENCODING, &BTreeMap::new())
+    pub fn finish(mut self, (name, summary): (&str, &str)) -> Result<(), WriteError> {
+        let mut end = || {
+            self.file.flush()?;
+            attach(&mut self.file, name, summary)?;
+            self.file.finish().map(|_| ())
         };
-        let fault_channel = channel(FAULT_TOPIC, "lashloop/Fault", FAULT_SCHEMA)?;
-        let log_channel = channel(LOG_TOPIC, "lashloop/Log", LOG_SCHEMA)?;
-        for (number, fault) in faults.iter().enumerate() {
-            self.message.clear();
-            push_text(fault.kind, &mut self.message);
-            self.message.extend_from_slice(&fault.step.to_le_bytes());
-            self.message.extend_from_slice(&fault.until_step.unwrap_or(u32::MAX).to_le_bytes());
-            let begin_ns = u64::from(fault.step) * self.period_ns;
-            self.write(fault_channel, number as u64, begin_ns, end_ns)?;
-        }
-        for (number, log) in logs.iter().enumerate() {
-            self.message.clear();
-            push_text(log, &mut self.message);
-            self.write(log_channel, number as u64, end_ns, end_ns)?;
-        }
-        self.file.flush()?;
-        attach(&mut self.file, name, summary)?;
-        self.file.finish()?;
-        Ok(())
+        end().map_err(|error| written(&self.path, error))
     }
-}
-
-/// A text as ROS packs it: its length, then its bytes.
-fn push_text(text: &str, bytes: &mut Vec<u8>) {
-    bytes.extend_from_slice(&(text.len() as u32).to_le_bytes());
-    bytes.extend_from_slice(text.as_bytes());
 }
 
 fn attach(file: &mut Writer<NoSeek<Sink>>, name: &str, text: &str) -> Result<(), McapError> {

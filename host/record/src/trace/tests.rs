@@ -7,10 +7,11 @@ use std::time::Duration;
 use super::{TraceWriter, columns, position_decimals};
 use crate::digits::Digits;
 use crate::reader::{Record, Table};
+use crate::samples::{SampleWriter, Samples};
 use crate::table::TableWriter;
 use lashloop_bench::run::{DriveValues, Step, TraceRow};
 use lashloop_bench::scenario::sections::EncoderSettings;
-use lashloop_bench::timing::{StepOutcome, StepTiming};
+use lashloop_bench::timing::{RoundTrip, StepOutcome, StepTiming};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::SignalTable;
 use lashloop_protocol::EncoderCounts;
@@ -166,4 +167,27 @@ fn a_plant_may_take_none_of_the_columns_of_every_trace() {
     assert_eq!(names, lashloop_plant::FIXED_COLUMNS);
     // What expectations may name in every run, with the same units, is all but the times and what was sent.
     assert_eq!(columns[1..columns.len() - 4], lashloop_plant::metrics::FIXED_SIGNALS);
+}
+
+#[test]
+fn samples_keep_times_of_any_length() {
+    let (directory, _) = place();
+    let long = Duration::from_nanos(86_400_000_000_123);
+    // A day into a run at 1 kHz, a machine was suspended.
+    let first = 86_400_000;
+    let mut writer = SampleWriter::create(directory.path(), &signals(), 1000, first, &[]).expect("a file");
+    for lateness in [Duration::from_nanos(1), Duration::from_secs(3), long] {
+        let round_trip =
+            Some(RoundTrip { send: lateness, line_and_device: long, compute: long, receive: long });
+        let timing = StepTiming { lateness, round_trip, ..step(0).timing };
+        writer.push(&Step { timing, ..step(0) }).expect("a step");
+    }
+    writer.finish(("summary.json", "{}")).expect("a file");
+    let Samples { trace, timing, .. } = Samples::read(&directory.path().join("run.mcap")).expect("samples");
+    let times_s = [0.0, 1.0, 2.0].map(|step| (first as f64 + step) * 0.001);
+    assert_eq!(trace.get("time_s"), Some(&times_s[..]));
+    for column in ["lateness_us", "send_us"] {
+        assert_eq!(timing.get(column), Some(&[0.001, 3e6, 86_400_000_000.123][..]), "{column}");
+    }
+    assert_eq!(timing.get("receive_us"), Some(&[86_400_000_000.123; 3][..]));
 }

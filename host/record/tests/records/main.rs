@@ -1,20 +1,19 @@
 //! Records of runs in this process, written and read.
 
 mod interrupted;
+mod large;
 mod repeated;
+mod size;
 mod whole;
+mod window;
 
 use std::path::{Path, PathBuf};
 
-use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{
-    Clock, DeviceUnderTest, Observers, Outcome, RunError, RunStart, Step, StepObserver, run,
-};
+use lashloop_bench::run::{Clock, DeviceUnderTest, Observers, Outcome, RunError, StepObserver, run};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_record::columns::Columns;
-use lashloop_record::trace::{columns, row};
 
 /// A scenario of the tree with these settings.
 fn scenario(name: &str, settings: &[&str]) -> Scenario {
@@ -36,22 +35,6 @@ fn run_in_process(scenario: &Scenario, observers: Vec<&mut dyn StepObserver>) ->
     let choice = "inproc".parse().expect("a device");
     let mut device = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, &supervisor, |link| link)?;
     run(scenario, &mut device, Clock::Lockstep, &mut Observers(observers))
-}
-
-/// The columns of a run in memory.
-#[derive(Default)]
-struct Memory(Columns);
-
-impl StepObserver for Memory {
-    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        self.0 = Columns::new(columns(start.signals));
-        Ok(())
-    }
-
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.0.push(row(step));
-        Ok(())
-    }
 }
 
 /// Every column, bit by bit.

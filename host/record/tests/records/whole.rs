@@ -3,13 +3,14 @@
 use std::fs;
 
 use lashloop_bench::run::StepObserver;
+use lashloop_record::columns::Columns;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::manifest::{Manifest, Number};
 use lashloop_record::reader::Record;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
 
-use super::{Memory, bits, run_in_process, scenario};
+use super::{bits, run_in_process, scenario};
 
 #[test]
 fn samples_read_back_to_the_bits_of_the_run() {
@@ -25,14 +26,14 @@ fn samples_read_back_to_the_bits_of_the_run() {
         "fault=[{ kind=\"encoder-offset\", side=\"load\", counts=60, over_s=0.1, at_s=0.2 }]",
     ];
     let scenario = scenario("shaft-sine.toml", &settings);
-    let mut memory = Memory::default();
+    let mut memory = Columns::default();
     let mut writer = RecordWriter::new(folder, RunSource::default());
     let observers: Vec<&mut dyn StepObserver> = vec![&mut memory, &mut writer];
     let outcome = run_in_process(&scenario, observers).expect("a run");
     drop(writer);
     let record = Record::read(&parent.path().join("run")).expect("a record");
     assert_eq!(record.trace.len() as u64, outcome.steps);
-    assert_eq!(bits(&record.trace.columns), bits(&memory.0));
+    assert_eq!(bits(&record.trace.columns), bits(&memory));
     assert!(!record.trace.is_torn, "a writer that is dropped ends its file");
 
     let manifest: Manifest = record.manifest.expect("a manifest");

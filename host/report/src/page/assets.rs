@@ -8,5 +8,5 @@ pub const CHARTS: &str = concat!(
 );
 /// Colours, tables and charts, light and dark, on screen and on paper.
 pub const STYLE: &str = include_str!("assets/page.css");
-/// The data of a report to charts, and its controls.
-pub(super) const REPORT: &str = include_str!("assets/report.js");
+/// The data of a report to charts and maps, and its controls.
+pub(super) const REPORT: &str = concat!(include_str!("assets/maps.js"), include_str!("assets/report.js"));

@@ -1,23 +1,44 @@
 //! The page that compares several runs.
 
+use lashloop_record::diff::{Comparison, DiffOptions, Setting};
 use maud::{Markup, html};
 
 use super::data::{Chart, Data, Part, Series};
 use super::input::Run;
-use super::part::{metrics, plots, settings};
+use super::part::{differences, metrics, plots, settings};
 use super::run_charts::{error_rad, estimates, spelled};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
+use crate::steps::round_trip_us;
 
-const LINKS: [Link; 4] =
-    [("runs", "Runs"), ("settings", "What differs"), ("plots", "Plots"), ("metrics", "Metrics")];
+const LINKS: [Link; 5] = [
+    ("runs", "Runs"),
+    ("result", "Result"),
+    ("settings", "Set differently"),
+    ("plots", "Plots"),
+    ("metrics", "Metrics"),
+];
+
+/// Digits of a digest of all torques that distinguish runs.
+const DIGITS_OF_DIGEST: usize = 12;
 
 /// A quantity of a run: name of its column, and a value for each step.
 type Named = (String, Vec<f64>);
 
-/// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with.
+/// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with;
+/// `settings` are those of the same records.
 #[must_use]
-pub fn comparison(runs: &[Run]) -> String {
+pub fn comparison(runs: &[Run], settings: &[Setting]) -> String {
+    page(runs, settings, None)
+}
+
+/// Two records over the same axes with the result of their comparison, as a self-contained HTML document.
+#[must_use]
+pub fn diff(runs: &[Run; 2], settings: &[Setting], comparison: &Comparison, options: &DiffOptions) -> String {
+    page(runs, settings, Some(&differences::section(comparison, options)))
+}
+
+fn page(runs: &[Run], settings: &[Setting], result: Option<&Markup>) -> String {
     let (data, ()) = Data::fitted(runs, |data| (charts(runs, data), ()));
     let title = format!("Comparison of {} runs", runs.len());
     let content = html! {
@@ -25,7 +46,8 @@ pub fn comparison(runs: &[Run]) -> String {
             h1 { (title) }
             (table(runs))
         }
-        (settings::section(runs))
+        @if let Some(result) = result { (result) }
+        (settings::section(runs, settings))
         section #plots {
             h2 { "Plots" }
             (plots::controls())
@@ -34,17 +56,23 @@ pub fn comparison(runs: &[Run]) -> String {
         }
         (metrics::side_by_side(runs))
     };
-    document(&title, &LINKS, Some(&data), &content)
+    let has_section = |(id, _): &&Link| *id != "result" || result.is_some();
+    let links: Vec<_> = LINKS.iter().filter(has_section).copied().collect();
+    document(&title, &links, Some(&data), &content)
 }
 
 fn table(runs: &[Run]) -> Markup {
     html! {
         div.scroll { table.runs {
-            thead { tr { th scope="col" { "run" } th scope="col" { "verdict" } th scope="col" { "why" } } }
+            thead { tr { th scope="col" { "run" } th scope="col" { "verdict" } th scope="col" { "why" } th scope="col" { "started" } th scope="col" { "torques" } } }
             tbody { @for (number, run) in runs.iter().enumerate() { tr {
                 th scope="row" { span class={ "run-key c" (number % 8) } {} (run.name) }
                 td { span class={ "grade " (Tone::of(run).class()) } { (verdict(run)) } }
                 td.meaning { (sentence(run)) }
+                td { @if let Some(manifest) = &run.record.manifest { (manifest.started.replace('T', " ").replace('Z', " UTC")) } }
+                td { @if let Some(digest) = run.summary.as_ref().and_then(|it| it.torque_sha256.as_ref()) {
+                    code.hash title=(digest) { (digest.chars().take(DIGITS_OF_DIGEST).collect::<String>()) }
+                } }
             } } }
         } }
     }
@@ -91,7 +119,7 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         data.charts.push(chart);
     }
     push(&mut data, "Round trip", "us", &|run| {
-        let trip: Vec<_> = run.timing.iter().map(super::part::timing::round_trip_us).collect();
+        let trip: Vec<_> = run.timing.iter().map(round_trip_us).collect();
         trip.iter().any(|value| value.is_finite()).then(|| ("round_trip_us".to_owned(), trip))
     });
     trail(
@@ -128,14 +156,14 @@ fn of_all(
         let Some((name, mut values)) = quantity(run) else { continue };
         values.resize(run.times_s().len(), f64::NAN);
         let id = data.column(number, &name, || values);
-        series.push(of_run(number, run, id));
+        series.push(coloured(number, Series::new(&run.name, number, id)));
     }
     Chart::new(title, unit, series)
 }
 
 /// Eight colours, then the same dashed.
-fn of_run(number: usize, run: &Run, id: super::data::ColumnId) -> Series {
-    let series = Series::new(&run.name, number, id).style(format!("c{}", number % 8));
+fn coloured(number: usize, series: Series) -> Series {
+    let series = series.style(format!("c{}", number % 8));
     if number / 8 % 2 == 1 { series.dashed() } else { series }
 }
 
@@ -148,9 +176,8 @@ fn trail(data: &mut Data, runs: &[Run], title: &str, names: [&str; 2], axes: [(&
             name => run.column(name).map(<[f64]>::to_vec),
         };
         let Some((x, y)) = values(names[0]).zip(values(names[1])) else { continue };
-        let x = data.column(number, names[0], || x);
-        let y = data.column(number, names[1], || y);
-        series.push(of_run(number, run, y).over(x));
+        let trail = data.trail(number, run.times_s(), (names[0], &x), (names[1], &y));
+        series.push(coloured(number, Series::trail(&run.name, number, trail)));
     }
     if !series.is_empty() {
         data.charts.push(Chart::new(title, "", series).axes(axes[0], axes[1]));

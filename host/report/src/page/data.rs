@@ -11,6 +11,9 @@ const MOST_ROWS: usize = 90_000;
 /// Most digits of all columns of a page; with tables, style and scripts it stays below 3 MB.
 const MOST_DIGITS: usize = 2_600_000;
 
+/// Groups of steps of a curve that are one group of a trail, which keeps up to four rows of each: a trail is 10^3 pixels long.
+pub(super) const TRAIL_GROUP: usize = 4;
+
 /// Index of a column of a run.
 pub(super) type ColumnId = usize;
 
@@ -62,14 +65,34 @@ pub(super) enum Part {
 pub(super) struct Series {
     pub(super) name: String,
     pub(super) run: usize,
-    pub(super) x: Option<ColumnId>,
-    pub(super) y: ColumnId,
+    #[serde(flatten)]
+    pub(super) points: Points,
     /// `None` for the next colour.
     pub(super) style: Option<String>,
     #[serde(rename = "isHeld")]
     pub(super) is_held: bool,
     #[serde(rename = "isDashed")]
     pub(super) is_dashed: bool,
+}
+
+/// The columns of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub(super) enum Points {
+    /// Over the times of the run.
+    OverTime { y: ColumnId },
+    /// One column over another.
+    Trail(Trail),
+}
+
+/// The columns of one quantity over another. All have the same rows, so that each point is one of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub(super) struct Trail {
+    /// Times; `None` for those of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    t: Option<ColumnId>,
+    x: ColumnId,
+    y: ColumnId,
 }
 
 /// Times at which something held, as pairs of start and end in s.
@@ -100,7 +123,15 @@ pub(super) struct Axis {
 
 impl Series {
     pub(super) fn new(name: impl Into<String>, run: usize, y: ColumnId) -> Self {
-        Self { name: name.into(), run, x: None, y, style: None, is_held: false, is_dashed: false }
+        Self::of(name, run, Points::OverTime { y })
+    }
+
+    pub(super) fn trail(name: impl Into<String>, run: usize, trail: Trail) -> Self {
+        Self::of(name, run, Points::Trail(trail))
+    }
+
+    fn of(name: impl Into<String>, run: usize, points: Points) -> Self {
+        Self { name: name.into(), run, points, style: None, is_held: false, is_dashed: false }
     }
 
     pub(super) fn style(mut self, style: impl Into<String>) -> Self {
@@ -116,12 +147,6 @@ impl Series {
 
     pub(super) fn dashed(mut self) -> Self {
         self.is_dashed = true;
-        self
-    }
-
-    /// Over another column than the time.
-    pub(super) fn over(mut self, x: ColumnId) -> Self {
-        self.x = Some(x);
         self
     }
 }
@@ -178,13 +203,32 @@ impl Data {
 
     /// The column of a run with this name, encoded on its first use. `values` has a value for each step, or fewer.
     pub(super) fn column(&mut self, run: usize, name: &str, values: impl FnOnce() -> Vec<f64>) -> ColumnId {
-        let data = &mut self.runs[run];
-        if let Some(at) = data.names.iter().position(|known| known == name) {
-            return at;
+        let (data, steps) = (&mut self.runs[run], self.steps);
+        let steps_per_pair = data.steps_per_pair;
+        data.once(name, || Encoded::of(&extremes(&values(), steps_per_pair), steps))
+    }
+
+    /// The columns of `y` over `x`, given by name and values. A thinned run keeps whole rows: the extremes of two columns
+    /// at different times are no point of the run.
+    pub(super) fn trail(
+        &mut self,
+        run: usize,
+        times_s: &[f64],
+        x: (&str, &[f64]),
+        y: (&str, &[f64]),
+    ) -> Trail {
+        let (data, steps) = (&mut self.runs[run], self.steps);
+        if data.steps_per_pair <= 2 {
+            let [x, y] = [x, y].map(|(name, values)| data.once(name, || Encoded::of(values, steps)));
+            return Trail { t: None, x, y };
         }
-        data.columns.push(Encoded::of(&extremes(&values(), data.steps_per_pair), self.steps));
-        data.names.push(name.to_owned());
-        data.names.len() - 1
+        let rows = rows_of_trail(x.1, y.1, TRAIL_GROUP * data.steps_per_pair);
+        let of = |values: &[f64]| rows.iter().map(|row| values[*row]).collect::<Vec<_>>();
+        let name = format!("{} over {}", y.0, x.0);
+        let [x, y] = [x, y].map(|(part, values)| {
+            data.once(&format!("{part} of {name}"), || Encoded::of(&of(values), steps))
+        });
+        Trail { t: Some(data.once(&format!("time of {name}"), || Encoded::of_times(&of(times_s)))), x, y }
     }
 
     fn digits(&self) -> usize {
@@ -195,6 +239,41 @@ impl Data {
     pub(super) fn thinned(&self) -> Option<usize> {
         self.runs.iter().map(|run| run.steps_per_pair).max().filter(|&steps| steps > 2)
     }
+}
+
+impl RunData {
+    /// The column of this name, encoded on its first use.
+    fn once(&mut self, name: &str, encode: impl FnOnce() -> Encoded) -> ColumnId {
+        if let Some(at) = self.names.iter().position(|known| known == name) {
+            return at;
+        }
+        self.columns.push(encode());
+        self.names.push(name.to_owned());
+        self.names.len() - 1
+    }
+}
+
+/// Rows of a trail: of each group of steps those with the smallest and the largest value of either axis, in their order. A group
+/// without a point gives one row without a value, which breaks the curve.
+fn rows_of_trail(x: &[f64], y: &[f64], steps: usize) -> Vec<usize> {
+    let count = x.len().min(y.len());
+    let mut rows = Vec::new();
+    for start in (0..count).step_by(steps) {
+        let points =
+            || (start..count.min(start + steps)).filter(|&row| x[row].is_finite() && y[row].is_finite());
+        let mut kept: Vec<_> = [x, y]
+            .into_iter()
+            .flat_map(|of| {
+                let by_value = |a: &usize, b: &usize| of[*a].total_cmp(&of[*b]);
+                [points().min_by(by_value), points().max_by(by_value)]
+            })
+            .flatten()
+            .collect();
+        kept.sort_unstable();
+        kept.dedup();
+        rows.extend(if kept.is_empty() { vec![start] } else { kept });
+    }
+    rows
 }
 
 /// Two times of each group of steps.
@@ -226,6 +305,18 @@ fn extremes(values: &[f64], steps: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thinned_trail_keeps_the_extremes_of_both_axes_as_points_of_the_run() {
+        let x = [0.0, 9.0, 1.0, 2.0, f64::NAN, 0.0, 0.0, 0.0];
+        let y = [5.0, 5.0, 7.0, 4.0, 99.0, f64::NAN, 0.0, 1.0];
+        assert_eq!(rows_of_trail(&x, &y, 4), [0, 1, 2, 3, 6, 7]);
+        assert_eq!(
+            rows_of_trail(&x, &y, 2),
+            [0, 1, 2, 3, 4, 6, 7],
+            "a group without a point breaks the curve"
+        );
+    }
 
     #[test]
     fn a_thinned_column_keeps_every_extreme_in_its_order() {

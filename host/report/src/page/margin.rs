@@ -3,7 +3,7 @@
 use super::summary::Expectation;
 
 /// Below this fraction a margin is marginal.
-pub(super) const MARGINAL: f64 = 0.1;
+const MARGINAL: f64 = 0.1;
 
 /// The result of an expectation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,15 +45,20 @@ impl Expectation {
     }
 
     pub(super) fn grade(&self) -> Grade {
-        match self.margin().and_then(|margin| margin.fraction) {
-            _ if !self.ok => Grade::Fail,
-            Some(fraction) if fraction < MARGINAL => Grade::Marginal,
-            _ => Grade::Pass,
-        }
+        Grade::of(self.ok, self.margin())
     }
 }
 
 impl Grade {
+    /// Of a value that is met or not.
+    pub(super) fn of(ok: bool, margin: Option<Margin>) -> Self {
+        match margin.and_then(|margin| margin.fraction) {
+            _ if !ok => Self::Fail,
+            Some(fraction) if fraction < MARGINAL => Self::Marginal,
+            _ => Self::Pass,
+        }
+    }
+
     /// Name in tables and class in the style.
     pub(super) fn name(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Records as self-contained HTML: one run, a comparison of several, a suite.
+//! Records as self-contained HTML: one run, a comparison of several, a suite, a campaign.
 //!
 //! A page is one file that loads nothing: style, scripts and all steps are inside. Text of others, such as a title, is escaped by
 //! the templates, and the page's policy permits its own scripts alone.
@@ -6,14 +6,17 @@
 //! | stage | file | does |
 //! |---|---|---|
 //! | input | `input`, `summary` | a record with its whole summary |
-//! | judgement | `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
+//! | judgement | `check`, `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
 //! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
 //! | numbers | `typeset` | numbers and units as a book prints them |
-//! | parts | `part` | one section of a page per file |
-//! | pages | `run_page`, `comparison_page`, `suite_page` | the parts of a page, in their order |
+//! | parts | `part`, `campaign` | one section of a page per file |
+//! | pages | `run_page`, `comparison_page`, `suite_page`, `campaign_page` | the parts of a page, in their order |
 //! | document | `shell`, `assets` | head, policy, style and scripts |
 
 pub mod assets;
+mod campaign;
+mod campaign_page;
+mod check;
 mod codec;
 mod comparison_page;
 mod data;
@@ -30,8 +33,11 @@ mod tests;
 mod typeset;
 mod why;
 
-pub use comparison_page::comparison;
+pub use campaign::input::CampaignResults;
+pub use campaign_page::campaign;
+pub use check::Check;
+pub use comparison_page::{comparison, diff};
 pub use input::Run;
 pub use margin::{Grade, Margin};
 pub use run_page::run;
-pub use suite_page::{Suite, SuiteExpectation, SuiteRow, suite};
+pub use suite_page::{Suite, SuiteRow, suite};

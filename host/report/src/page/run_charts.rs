@@ -2,15 +2,18 @@
 
 use std::slice;
 
+use lashloop_record::trace::{TELEMETRY_TIME, TIME};
+
 use super::data::{Chart, Data, Mark, Part, Series, Shade};
 use super::input::Run;
+use crate::steps::{round_trip_us, row_of_step};
 
 /// Most intervals of contact of a page.
 const MOST_INTERVALS: usize = 3_000;
 /// Signals that a chart of further signals shows at once.
 const PER_CHART: usize = 4;
 /// Columns that no chart shows for themselves.
-const INTERNAL: [&str; 3] = ["time_s", "telemetry_time_s", "contact"];
+const INTERNAL: [&str; 3] = [TIME, TELEMETRY_TIME, "contact"];
 
 /// The charts of a single run.
 pub(super) fn charts(run: &Run) -> (Data, Vec<Constant>) {
@@ -59,6 +62,13 @@ impl Charts<'_> {
         let column = self.data.column(0, name, || values.to_vec());
         self.shown.push(name.to_owned());
         Some(Series::new(label, 0, column))
+    }
+
+    /// One signal over another; `None` if the run lacks one of them.
+    fn trail(&mut self, label: &str, x: &str, y: &str) -> Option<Series> {
+        let (x, y) = ((x, self.run.column(x)?), (y, self.run.column(y)?));
+        let trail = self.data.trail(0, self.run.times_s(), x, y);
+        Some(Series::trail(label, 0, trail).style("c0"))
     }
 
     fn push(&mut self, chart: Chart) {
@@ -133,17 +143,20 @@ impl Charts<'_> {
 
     fn phase_plane(&mut self) {
         let Some(error_rad) = error_rad(self.run) else { return };
-        let Some(speed) = self.series("trajectory", "load_velocity_rad_s") else { return };
-        let error = self.data.column(0, "error_rad", || error_rad);
-        let chart = Chart::new("Phase plane", "", vec![speed.over(error).style("c0")]);
+        let Some(speed) = self.run.column("load_velocity_rad_s") else { return };
+        let trail =
+            self.data.trail(0, self.run.times_s(), ("error_rad", &error_rad), ("load_velocity_rad_s", speed));
+        self.shown.push("load_velocity_rad_s".to_owned());
+        let chart = Chart::new("Phase plane", "", vec![Series::trail("trajectory", 0, trail).style("c0")]);
         self.push(chart.axes(("position error", "rad"), ("load velocity", "rad/s")));
     }
 
     /// The backlash itself: torque passes outside the gap only.
     fn hysteresis(&mut self) {
-        let Some(torque) = self.series("transmitted torque", "transmitted_torque_nm") else { return };
-        let Some(twist) = self.series("", "twist_rad") else { return };
-        let chart = Chart::new("Hysteresis of gap and shaft", "", vec![torque.over(twist.y).style("c0")]);
+        let Some(series) = self.trail("transmitted torque", "twist_rad", "transmitted_torque_nm") else {
+            return;
+        };
+        let chart = Chart::new("Hysteresis of gap and shaft", "", vec![series]);
         self.push(chart.axes(("twist", "rad"), ("transmitted torque", "N m")));
     }
 
@@ -153,9 +166,8 @@ impl Charts<'_> {
         if reference_rad.windows(2).all(|pair| pair[0] == pair[1]) {
             return;
         }
-        let Some(load) = self.series("load", "load_position_rad") else { return };
-        let Some(reference) = self.series("", "reference_rad") else { return };
-        let chart = Chart::new("Hysteresis of the loop", "", vec![load.over(reference.y).style("c0")]);
+        let Some(series) = self.trail("load", "reference_rad", "load_position_rad") else { return };
+        let chart = Chart::new("Hysteresis of the loop", "", vec![series]);
         self.push(chart.axes(("reference", "rad"), ("load position", "rad")));
     }
 
@@ -167,7 +179,7 @@ impl Charts<'_> {
             values
         };
         let lateness = || timing.iter().map(|row| row.lateness_us).collect::<Vec<_>>();
-        let trip = timing.iter().map(super::part::timing::round_trip_us).collect::<Vec<_>>();
+        let trip = timing.iter().map(round_trip_us).collect::<Vec<_>>();
         let mut series = Vec::new();
         if trip.iter().any(|value| value.is_finite()) {
             let column = self.data.column(0, "round_trip_us", || padded(trip));
@@ -270,12 +282,11 @@ fn joined(intervals: &[f64], shortest_gap_s: f64) -> Vec<f64> {
 
 /// The start of each injected fault.
 fn marks(run: &Run) -> Vec<Mark> {
-    let faults = run.summary.iter().flat_map(|summary| &summary.faults);
-    let mark = |fault: &super::summary::Fault| {
-        let x = *run.times_s().get(usize::try_from(fault.step).ok()?)?;
-        Some(Mark { x, label: fault.kind.clone() })
+    let mark = |fault: super::summary::Fault| {
+        let x = run.times_s()[row_of_step(&run.record, fault.step)?];
+        Some(Mark { x, label: fault.kind })
     };
-    faults.filter_map(mark).collect()
+    run.faults().into_iter().filter_map(mark).collect()
 }
 
 #[cfg(test)]

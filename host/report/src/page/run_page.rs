@@ -24,32 +24,36 @@ const LINKS: [Link; 7] = [
 #[must_use]
 pub fn run(run: &Run) -> String {
     let (data, constants) = charts(run);
+    let has_rows = !run.times_s().is_empty();
     let content = html! {
         (verdict::section(run))
         @if let Some(summary) = &run.summary { (expectations::section(&summary.expectations)) }
         section #plots {
             h2 { "Plots" }
-            (plots::controls())
-            (plots::charts(&data, Part::Motion))
-            (plots::note(&data))
-            (further(&data, &constants))
+            @if has_rows {
+                (plots::controls())
+                (plots::charts(&data, Part::Motion))
+                (plots::note(&data))
+                (further(&data, &constants))
+            } @else {
+                p { "None: the run ended before its first torque." }
+            }
         }
         section #timing {
             h2 { "Timing" }
             @if plots::has(&data, Part::Timing) { (plots::charts(&data, Part::Timing)) }
             (timing::section(run))
         }
-        @if let Some(summary) = &run.summary {
-            (faults::section(summary))
-            (metrics::section(summary))
-        }
+        (faults::section(run))
+        @if let Some(summary) = &run.summary { (metrics::section(summary)) }
         (origin::section(run))
         (origin::repeat(run))
     };
     let title = format!("{}: {}", verdict_of(run), run.title());
-    let has_section = |(id, _): &&Link| run.summary.is_some() || ["plots", "timing", "origin"].contains(id);
+    let has_section =
+        |(id, _): &&Link| run.summary.is_some() || ["plots", "timing", "faults", "origin"].contains(id);
     let links: Vec<_> = LINKS.iter().filter(has_section).copied().collect();
-    document(&title, &links, Some(&data), &content)
+    document(&title, &links, has_rows.then_some(&data), &content)
 }
 
 /// Signals that the other charts lack.

@@ -1,122 +1,110 @@
-//! The index page of a suite of runs.
+//! The index page of a suite of cases.
 
 use maud::{Markup, html};
 
-use super::margin::{Grade, MARGINAL, Margin};
+use super::check::Check;
+use super::margin::Grade;
 use super::part::command::copied;
 use super::shell::document;
 use super::typeset::{apart, percent, shown, unit};
 use super::why::Tone;
 
-/// A suite: one row for each run.
+/// A suite: one row for each case, also for a case without a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Suite {
     /// Title of the page.
     pub title: String,
-    /// The command that made it.
-    pub command: String,
+    /// The worst verdict of a case, or INCOMPLETE or NO VERDICT if the cases that ran are no evidence on the suite.
+    pub verdict: String,
+    /// Why there is no verdict, in one sentence.
+    pub reason: Option<String>,
+    /// The words of the command that made it.
+    pub command: Vec<String>,
     /// Wall-clock time of the whole suite, in s.
     pub wall_s: f64,
-    /// The runs, in their order.
+    /// The cases, in their order.
     pub rows: Vec<SuiteRow>,
 }
 
-/// One run of a suite.
-#[derive(Debug, Clone, PartialEq)]
+/// One case of a suite.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SuiteRow {
-    /// Name of the scenario, with its case in a sweep.
+    /// Name of the scenario.
     pub name: String,
     /// What this case sets, as key and value.
     pub settings: Vec<(String, String)>,
-    /// The device.
+    /// The device; empty for a case without a run.
     pub device: String,
-    /// PASS, FAIL, INVALID or SKIPPED; `None` if there is no verdict.
-    pub verdict: Option<String>,
+    /// PASS, FAIL, INVALID, ERROR, SKIPPED or NOT RUN.
+    pub verdict: String,
     /// Why, in one sentence.
     pub reason: String,
-    /// The expectations.
-    pub expectations: Vec<SuiteExpectation>,
+    /// The expectations, and the metrics against their baseline.
+    pub checks: Vec<Check>,
     /// Wall-clock time, in s.
     pub wall_s: f64,
     /// Relative address of the run's report, if it was kept.
     pub report: Option<String>,
 }
 
-/// One expectation of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SuiteExpectation {
-    /// What is judged.
-    pub name: String,
-    /// Its value; `None` without one.
-    pub value: Option<f64>,
-    /// Smallest value that passes.
-    pub min: Option<f64>,
-    /// Largest value that passes.
-    pub max: Option<f64>,
-    /// The unit.
-    pub unit: String,
-    /// Whether it is met.
-    pub ok: bool,
-}
-
-impl SuiteExpectation {
-    fn fraction(&self) -> Option<f64> {
-        Margin::of(self.value?, self.min, self.max)?.fraction
-    }
-
-    fn grade(&self) -> Grade {
-        match self.fraction() {
-            _ if !self.ok => Grade::Fail,
-            Some(fraction) if fraction < MARGINAL => Grade::Marginal,
-            _ => Grade::Pass,
-        }
-    }
-}
+/// Results in the order of the filters.
+const LABELS: [&str; 7] = ["PASS", MARGINAL, "FAIL", "INVALID", "ERROR", "SKIPPED", "NOT RUN"];
+/// PASS with a marginal check.
+const MARGINAL: &str = "marginal";
 
 impl SuiteRow {
-    fn tone(&self) -> Tone {
-        match Tone::of_verdict(self.verdict.as_deref().unwrap_or_default()) {
-            Tone::Pass if self.expectations.iter().any(|it| it.grade() == Grade::Marginal) => Tone::Marginal,
-            tone => tone,
-        }
+    fn label(&self) -> &str {
+        let is_marginal = || self.checks.iter().any(|it| it.grade() == Grade::Marginal);
+        if self.verdict == "PASS" && is_marginal() { MARGINAL } else { &self.verdict }
     }
 
-    /// The expectation with the smallest margin.
-    fn tightest(&self) -> Option<(&SuiteExpectation, f64)> {
-        let margins = self.expectations.iter().filter_map(|it| Some((it, it.fraction()?)));
+    /// The check with the smallest margin.
+    fn tightest(&self) -> Option<(&Check, f64)> {
+        let margins = self.checks.iter().filter_map(|it| Some((it, it.margin()?.fraction?)));
         margins.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 }
 
-/// An index of the runs as a self-contained HTML document.
+fn tone(label: &str) -> Tone {
+    match label {
+        MARGINAL => Tone::Marginal,
+        "ERROR" => Tone::Fail,
+        verdict => Tone::of_verdict(verdict),
+    }
+}
+
+/// Name of a label in attributes.
+fn key(label: &str) -> String {
+    label.to_lowercase().replace(' ', "-")
+}
+
+/// An index of the cases as a self-contained HTML document.
 #[must_use]
 pub fn suite(suite: &Suite) -> String {
-    let tones = [Tone::Pass, Tone::Marginal, Tone::Fail, Tone::Invalid, Tone::None];
-    let count = |tone| suite.rows.iter().filter(|row| row.tone() == tone).count();
-    // A case that the device can't run by design has a reason and no verdict.
-    let is_skipped = |row: &SuiteRow| row.verdict.as_deref() == Some("SKIPPED");
-    let is_good =
-        suite.rows.iter().all(|row| is_skipped(row) || matches!(row.tone(), Tone::Pass | Tone::Marginal));
-    let verdict = if is_good { "PASS" } else { "FAIL" };
-    let passed = count(Tone::Pass) + count(Tone::Marginal);
+    let count = |label: &str| suite.rows.iter().filter(|row| row.label() == label).count();
+    let (verdict, has_marginal) = (&*suite.verdict, count(MARGINAL) > 0);
+    let tone_of_all = if verdict == "PASS" && has_marginal { Tone::Marginal } else { tone(verdict) };
     let content = html! {
-        section class={ "verdict " (if is_good { "pass" } else { "fail" }) } {
-            p.badge { (verdict) }
+        section class={ "verdict " (tone_of_all.class()) } {
+            p.badge { (verdict) @if tone_of_all == Tone::Marginal { small { (MARGINAL) } } }
             div {
                 h1 { (suite.title) }
-                p.why { (passed) " of " (suite.rows.len()) " runs passed in " (format!("{:.1}", suite.wall_s)) " s." }
+                p.why {
+                    (count("PASS") + count(MARGINAL)) " of " (suite.rows.len()) " cases passed in " (format!("{:.1}", suite.wall_s)) " s."
+                    @if let Some(reason) = &suite.reason { " " (reason) }
+                }
             }
         }
-        section #runs {
-            h2 { "Runs" }
+        section #cases {
+            h2 { "Cases" }
             div.filters role="group" aria-label="Verdicts shown" hidden {
-                @for tone in tones { @if count(tone) > 0 {
-                    button type="button" aria-pressed="true" data-filter=(tone.class()) { span class={ "grade " (tone.class()) } { (name(tone)) } " " (count(tone)) }
+                @for label in LABELS { @if count(label) > 0 {
+                    button type="button" aria-pressed="true" data-filter=(key(label)) { span class={ "grade " (tone(label).class()) } { (label) } " " (count(label)) }
                 } }
             }
             div.scroll { table.suite.stacked {
                 thead { tr {
-                    @for name in ["verdict", "run", "why", "smallest margin"] { th scope="col" { (name) } }
+                    @for name in ["verdict", "case", "why", "smallest margin"] { th scope="col" { (name) } }
                     th.number scope="col" { "time in s" }
                 } }
                 tbody { @for it in &suite.rows { (row(it)) } }
@@ -129,33 +117,23 @@ pub fn suite(suite: &Suite) -> String {
     };
     document(
         &format!("{verdict}: {}", suite.title),
-        &[("runs", "Runs"), ("repeat", "Run it again")],
+        &[("cases", "Cases"), ("repeat", "Run it again")],
         None,
         &content,
     )
 }
 
-fn name(tone: Tone) -> &'static str {
-    match tone {
-        Tone::Pass => "PASS",
-        Tone::Marginal => "marginal",
-        Tone::Fail => "FAIL",
-        Tone::Invalid => "INVALID",
-        Tone::None => "no verdict",
-    }
-}
-
 fn row(row: &SuiteRow) -> Markup {
-    let tone = row.tone();
+    let label = row.label();
     let settings =
         row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
     html! {
-        tr data-tone=(tone.class()) {
-            td { span class={ "grade " (tone.class()) } { (name(tone)) } }
+        tr data-tone=(key(label)) {
+            td { span class={ "grade " (tone(label).class()) } { (label) } }
             th scope="row" {
                 @match row.report.as_deref().filter(|address| is_relative(address)) { Some(address) => a href=(address) { (row.name) }, None => (row.name) }
                 @if !settings.is_empty() { br; small { code { (settings) } } }
-                br; small { (row.device) }
+                @if !row.device.is_empty() { br; small { (row.device) } }
             }
             td.meaning { (row.reason) }
             td.meaning { @if let Some((it, fraction)) = row.tightest() {
@@ -164,7 +142,8 @@ fn row(row: &SuiteRow) -> Markup {
                 @if let Some(min) = it.min { ", \u{2265} " (shown(min)) }
                 @if let Some(max) = it.max { ", \u{2264} " (shown(max)) }
             } }
-            td.number { (format!("{:.2}", row.wall_s)) }
+            // A case without a run took no time.
+            td.number { @if row.wall_s > 0.0 { (format!("{:.2}", row.wall_s)) } }
         }
     }
 }

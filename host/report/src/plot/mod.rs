@@ -8,10 +8,10 @@ mod panel;
 mod placement;
 mod render;
 mod scale;
-mod span;
+pub(crate) mod span;
 mod svg;
 mod text;
 mod theme;
-mod ticks;
+pub(crate) mod ticks;
 
 pub use figure::{Axis, Band, Figure, Mark, Panel, Role, Series};

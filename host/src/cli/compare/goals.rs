@@ -55,13 +55,13 @@ impl fmt::Display for Goals {
         write!(out, "{:<44}{:>10}{:>10}{:>8}  goal", "medians", "baseline", "the loop", "ratio")?;
         for goal in &self.0 {
             let Goal { what, baseline, of_loop, target } = goal;
-            write!(out, "\n{what:<44}{baseline:>10.1}{of_loop:>10.1}")?;
             let ratio = goal.ratio();
+            write!(out, "\n{what:<44}{baseline:>10.1}{of_loop:>10.1}{ratio:>8.2}")?;
             match target {
                 Target::None => continue,
-                Target::AtLeast(least) => write!(out, "{ratio:>8.2}  ratio >= {least}")?,
-                Target::AtMost(most) => write!(out, "{ratio:>8.2}  ratio <= {most}")?,
-                Target::Below(limit) => write!(out, "{ratio:>8.2}  the loop < {limit}")?,
+                Target::AtLeast(least) => write!(out, "  ratio >= {least}")?,
+                Target::AtMost(most) => write!(out, "  ratio <= {most}")?,
+                Target::Below(limit) => write!(out, "  the loop < {limit}")?,
             }
             write!(out, ": {}", if goal.is_met() { "met" } else { "MISSED" })?;
         }

@@ -4,9 +4,13 @@
 //! over a pseudo-terminal. In real time the ping-pong has the loop's deadline; its time without a deadline is printed as
 //! well. Loop and baseline alternate round by round within one command and request the same privileges. Medians over the
 //! rounds are compared, because machines are noisy.
+//!
+//! In the same rounds the loop runs with a record, and with a live page whose reader takes nothing; the loop alone is the
+//! baseline of both.
 
 mod goals;
 mod sleep_baseline;
+mod watched;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -16,9 +20,8 @@ use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::device::{Device, DeviceError};
-use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::real_time::{PERIOD_MARGIN, RealTime};
-use lashloop_bench::run::{self, Clock, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, Outcome, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::{Process, Program, Supervisor};
 use lashloop_bench::timing::TimingReport;
@@ -41,7 +44,8 @@ const REPLY_LIMIT: Timespec =
 
 /// Measure the loop against a baseline: a sleeping thread and a ping-pong
 ///
-/// Measures round trips per second in lockstep, and lateness and round-trip time of a step in real time at 1 kHz. Exit
+/// Measures round trips per second in lockstep, and lateness and round-trip time of a step in real time at 1 kHz; the loop
+/// alone, with a record, and with a live page whose reader takes nothing. Exit
 /// code 1 if a measurement misses its goal. On a busy machine rely on the ratios, not on the times.
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -103,17 +107,23 @@ impl Arguments {
         goals: &mut Goals,
     ) -> Result<(), CliError> {
         let scenario = scenario(f64::from(self.steps) * PERIOD.as_secs_f64())?;
-        let (mut baseline, mut loops) = (Vec::new(), Vec::new());
+        let [mut baseline, mut loops, mut recorded, mut live] = [const { Vec::new() }; 4];
         for _ in 0..self.rounds {
             let started = Instant::now();
             for _ in 0..self.steps {
                 line.round_trip().map_err(system(PING_PONG))?;
             }
             baseline.push(f64::from(self.steps) / started.elapsed().as_secs_f64());
-            let outcome = run::run(&scenario, device, Clock::Lockstep, &mut NoOutput)?;
-            loops.push(outcome.steps as f64 / outcome.wall_s);
+            let rate = |outcome: Outcome| outcome.steps as f64 / outcome.wall_s;
+            loops.push(rate(run::run(&scenario, device, Clock::Lockstep, &mut NoOutput)?));
+            recorded.push(rate(watched::recorded(&scenario, device, Clock::Lockstep)?));
+            live.push(rate(watched::live(&scenario, device, Clock::Lockstep)?));
         }
-        goals.push("lockstep: round trips, 1/s", AtLeast(0.8), median(baseline), median(loops));
+        let alone = median(loops);
+        goals.push("lockstep: round trips, 1/s", AtLeast(0.8), median(baseline), alone);
+        // In lockstep one thread does all: the record takes time of the loop, and of no step.
+        goals.push("lockstep, recording: round trips, 1/s", NoTarget, alone, median(recorded));
+        goals.push("lockstep, live page: round trips, 1/s", NoTarget, alone, median(live));
         Ok(())
     }
 
@@ -127,7 +137,8 @@ impl Arguments {
         let options = RealTime { spin, core: self.core, fifo_priority: self.fifo, ..RealTime::default() };
         let scenario = scenario(self.seconds.into())?;
         let steps = scenario.run.steps();
-        let [mut sleeps, mut blocking, mut trips, mut loops] = [const { Vec::new() }; 4];
+        let [mut sleeps, mut blocking, mut trips, mut loops, mut recorded, mut live] =
+            [const { Vec::new() }; 6];
         for _ in 0..self.rounds {
             let slept = sleep_baseline::paced(steps, &options, || Ok(None));
             sleeps.push(slept.map_err(system("sleep until the next period"))?);
@@ -135,8 +146,10 @@ impl Arguments {
             blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(system(PING_PONG))?);
             let trip = || line.round_trip_with_a_deadline(REPLY_LIMIT).map(Some);
             trips.push(sleep_baseline::paced(steps, &options, trip).map_err(system(PING_PONG))?);
-            let outcome = run::run(&scenario, device, Clock::RealTime(options), &mut NoOutput)?;
-            loops.push(outcome.timing);
+            let clock = Clock::RealTime(options);
+            loops.push(run::run(&scenario, device, clock, &mut NoOutput)?.timing);
+            recorded.push(watched::recorded(&scenario, device, clock)?.timing);
+            live.push(watched::live(&scenario, device, clock)?.timing);
         }
         let of = |reports: &[TimingReport], value: fn(&TimingReport) -> Option<f64>| {
             median(reports.iter().map(|report| value(report).unwrap_or(f64::NAN)).collect())
@@ -151,7 +164,16 @@ impl Arguments {
             goals.push("1 kHz: lateness p99, us", AtMost(1.2), of(&sleeps, p99), of(&loops, p99));
         }
         goals.push("1 kHz: round trip p50, us", AtMost(1.3), of(&trips, trip), of(&loops, trip));
-        let reports = [&sleeps, &blocking, &trips, &loops].into_iter().flatten();
+        goals.push("1 kHz, recording: lateness p50, us", AtMost(1.2), of(&loops, p50), of(&recorded, p50));
+        goals.push(
+            "1 kHz, recording: round trip p50, us",
+            AtMost(1.2),
+            of(&loops, trip),
+            of(&recorded, trip),
+        );
+        goals.push("1 kHz, live page: lateness p50, us", AtMost(1.2), of(&loops, p50), of(&live, p50));
+        goals.push("1 kHz, live page: round trip p50, us", AtMost(1.2), of(&loops, trip), of(&live, trip));
+        let reports = [&sleeps, &blocking, &trips, &loops, &recorded, &live].into_iter().flatten();
         for refusal in reports.flat_map(|report| &report.refused).collect::<BTreeSet<_>>() {
             outln!("not granted: {refusal}");
         }

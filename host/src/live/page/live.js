@@ -13,42 +13,46 @@
     open: ["no value yet", "none"],
   };
 
-  // Samples of one history, twice the buckets: least and greatest value at the same time.
-  function samples(columns) {
-    let capacity = 4096;
-    let time = new Float64Array(capacity);
-    let values = columns.map(() => new Float32Array(capacity));
-    const grow = (old) => {
-      const next = new old.constructor(capacity);
-      next.set(old);
-      return next;
-    };
+  // The latest buckets of one history, as many as the bench keeps: least and greatest value at the same time.
+  function samples(columns, buckets) {
+    const kept = 2 * buckets;
+    const time = new Float64Array(2 * kept);
+    const values = columns.map(() => new Float32Array(2 * kept));
+    let end = 0;
+    const latest = (array) => array.subarray(Math.max(end - kept, 0), end);
     return {
-      length: 0,
       push(bucket) {
-        if (this.length + 2 > capacity) {
-          capacity *= 2;
-          time = grow(time);
-          values = values.map(grow);
+        if (end === 2 * kept) {
+          for (const array of [time, ...values]) array.copyWithin(0, kept);
+          end = kept;
         }
-        time.fill(bucket[0], this.length, this.length + 2);
+        time.fill(bucket[0], end, end + 2);
         values.forEach((column, index) => {
-          column[this.length] = bucket[1 + 2 * index];
-          column[this.length + 1] = bucket[2 + 2 * index];
+          column[end] = bucket[1 + 2 * index];
+          column[end + 1] = bucket[2 + 2 * index];
         });
-        this.length += 2;
+        end += 2;
       },
       // Breaks the curves where buckets are missing.
       gap() {
-        if (this.length) this.push([time[this.length - 1], ...columns.flatMap(() => [NaN, NaN])]);
+        if (end) this.push([time[end - 1], ...columns.flatMap(() => [NaN, NaN])]);
       },
-      cut(end) {
-        this.length = LashloopScale.lowerBound(time.subarray(0, this.length), end);
-      },
-      time() { return time.subarray(0, this.length); },
-      column(index) { return values[index].subarray(0, this.length); },
-      end() { return this.length ? time[this.length - 1] : 0; },
+      time() { return latest(time); },
+      column(index) { return latest(values[index]); },
     };
+  }
+
+  // The whole run, and from the first time of the finer history on that one.
+  function joined(histories, of) {
+    const [whole, recent] = histories;
+    const from = recent?.time().at(0);
+    if (from === undefined) return of(whole);
+    const head = of(whole).subarray(0, LashloopScale.lowerBound(whole.time(), from));
+    const tail = of(recent);
+    const all = new tail.constructor(head.length + tail.length);
+    all.set(head);
+    all.set(tail, head.length);
+    return all;
   }
 
   let run = null; // what the present connection has received
@@ -78,33 +82,27 @@
     group.listen(({ cursor }) => {
       at("cursor-time").textContent = cursor === null ? "" : `cursor at ${LashloopScale.readOut(cursor, group.view[1] - group.view[0])} s`;
     });
-    run = { text, group, charts, samples: samples(text.columns), places: new Map(), hasFine: false };
+    run = { text, group, charts, histories: text.histories.map((buckets) => samples(text.columns, buckets)), places: [] };
     facts([["scenario", text.scenario], ["drive", text.device], ["law", text.controller], ["clock", text.clock]]);
     badge("LIVE", "none", "The run goes on.");
     at("stop").disabled = false;
   }
 
-  // The coarse history covers the whole run; the fine one, if there is one, takes its place from its first bucket on.
   function take(buffer) {
-    const [history, first] = new Uint32Array(buffer, 0, 2);
-    if (history === 0 && run.hasFine) return;
+    const [number, first] = new Uint32Array(buffer, 0, 2);
+    const history = run.histories[number];
     const row = 1 + 2 * run.text.columns.length;
     const values = new Float32Array(buffer, 8);
-    if (history > 0 && !run.hasFine) {
-      run.hasFine = true;
-      run.samples.cut(values[0]);
-    } else if (run.places.has(history) && run.places.get(history) < first) {
-      run.samples.gap();
-    }
-    for (let start = 0; start < values.length; start += row) run.samples.push(values.subarray(start, start + row));
-    run.places.set(history, first + values.length / row);
-    const time = run.samples.time();
+    if (run.places[number] < first) history.gap();
+    for (let start = 0; start < values.length; start += row) history.push(values.subarray(start, start + row));
+    run.places[number] = first + values.length / row;
+    const time = joined(run.histories, (it) => it.time());
     for (const it of run.charts.flat()) {
-      const column = run.samples.column(it.column);
+      const column = joined(run.histories, (samples) => samples.column(it.column));
       it.x = time;
       it.y = it.sign < 0 ? column.map((value) => -value) : column;
     }
-    const end = run.samples.end();
+    const end = time.at(-1) ?? 0;
     run.group.extend(end);
     if (windowS > 0) run.group.setView(end - windowS, end);
     run.group.redraw();
@@ -166,7 +164,7 @@
     at("stop").disabled = true;
     connection("the run has ended");
     expectations(ending.expectations);
-    const how = ending.end === "complete" ? "The run is complete." : `The run ended early: ${ending.end}.`;
+    const how = ending.end === "complete" ? "The run is complete." : "The run ended early.";
     const record = ending.record
       ? ` The record is in ${ending.record}; lashloop report ${ending.record} makes its page.`
       : " No record was kept; run with --out DIR for one.";

@@ -4,16 +4,22 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 16] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
     // The drive's library is for the in-process link.
     ("lashloop-link", &["lashloop-protocol", "lashloop-firmware"]),
+    // The plant's crate is for its signals with their units, which a drive has alike.
+    ("lashloop-session", &["lashloop-protocol", "lashloop-plant", "lashloop-link"]),
     // The drive's library is for the in-process device and the native twin.
-    ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link"]),
+    (
+        "lashloop-bench",
+        &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link", "lashloop-session"],
+    ),
     ("lashloop-record", &["lashloop-protocol", "lashloop-plant", "lashloop-bench"]),
-    ("lashloop-report", &["lashloop-bench", "lashloop-plant", "lashloop-record"]),
+    ("lashloop-campaign", &["lashloop-plant", "lashloop-bench", "lashloop-record"]),
+    ("lashloop-report", &["lashloop-bench", "lashloop-plant", "lashloop-record", "lashloop-campaign"]),
     ("lashloop-identify", &["lashloop-plant"]),
     (
         "lashloop",
@@ -22,10 +28,12 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "lashloop-firmware",
             "lashloop-plant",
             "lashloop-link",
+            "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
             "lashloop-report",
             "lashloop-identify",
+            "lashloop-campaign",
         ],
     ),
     (
@@ -36,9 +44,11 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "lashloop-identify",
             "lashloop-plant",
             "lashloop-link",
+            "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
             "lashloop-report",
+            "lashloop-campaign",
             "lashloop",
         ],
     ),

@@ -10,6 +10,7 @@ use lashloop_firmware::drive::{Clock, Drive};
 use lashloop_link::Link;
 use lashloop_link::terminal::Terminal;
 
+use super::loop_thread::Item;
 use super::*;
 use crate::capture::link::Captured;
 use crate::capture::{WhenFull, create};
@@ -21,7 +22,7 @@ use crate::run::run_loop::{RunLoop, StepSource};
 use crate::run::simulator::Simulator;
 use crate::run::step::Step;
 use crate::run::step_sink::StepSink;
-use crate::run::{End, RunError, setup};
+use crate::run::{End, Event, RunError, setup};
 use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
@@ -79,6 +80,10 @@ impl StepSink for Counting<'_> {
         self.ring.take(step)
     }
 
+    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
+        self.ring.take_event(step, event)
+    }
+
     fn stop_asked(&self) -> bool {
         self.ring.stop_asked()
     }
@@ -130,7 +135,8 @@ fn counted(
         info = allocation_counter::measure(closing);
     };
     let drain_steps = || {
-        while let Ok(step) = steps.pop() {
+        while let Ok(item) = steps.pop() {
+            let Item::Step(step) = item else { continue };
             answered += u64::from(step.timing.outcome == StepOutcome::Answered);
         }
     };

@@ -7,29 +7,48 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::run::error::RunError;
+use crate::run::event::Event;
 use crate::run::step::Step;
 use crate::run::step_sink::StepSink;
 
 /// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
 const CAPACITY: usize = 1 << 14;
 
+/// What goes through the ring.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly every item is a step, and a box would be an allocation on the loop's thread"
+)]
+pub(in crate::run) enum Item {
+    Step(Step),
+    Event { step: u32, event: Event },
+}
+
 /// The loop's end of the ring.
 pub(in crate::run) struct Ring<'a> {
-    steps: Producer<Step>,
+    items: Producer<Item>,
     stop: &'a AtomicBool,
 }
 
 impl<'a> Ring<'a> {
     /// Both ends of a ring. `stop` ends the loop early.
-    pub(in crate::run) fn new(stop: &'a AtomicBool) -> (Self, Consumer<Step>) {
-        let (steps, taken) = RingBuffer::new(CAPACITY);
-        (Self { steps, stop }, taken)
+    pub(in crate::run) fn new(stop: &'a AtomicBool) -> (Self, Consumer<Item>) {
+        let (items, taken) = RingBuffer::new(CAPACITY);
+        (Self { items, stop }, taken)
+    }
+
+    fn push(&mut self, item: Item) -> Result<(), RunError> {
+        self.items.push(item).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
     }
 }
 
 impl StepSink for Ring<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
-        self.steps.push(step).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
+        self.push(Item::Step(step))
+    }
+
+    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
+        self.push(Item::Event { step, event })
     }
 
     fn stop_asked(&self) -> bool {
@@ -42,11 +61,14 @@ impl StepSink for Ring<'_> {
 /// # Errors
 /// The sink failed.
 pub(in crate::run) fn drain(
-    steps: &mut Consumer<Step>,
+    items: &mut Consumer<Item>,
     to: &mut impl StepSink,
     stop: &AtomicBool,
 ) -> Result<(), RunError> {
-    let result = std::iter::from_fn(|| steps.pop().ok()).try_for_each(|step| to.take(step));
+    let result = std::iter::from_fn(|| items.pop().ok()).try_for_each(|item| match item {
+        Item::Step(step) => to.take(step),
+        Item::Event { step, event } => to.take_event(step, event),
+    });
     if result.is_err() || to.stop_asked() {
         stop.store(true, Ordering::Relaxed);
     }

@@ -10,13 +10,13 @@ use lashloop_plant::metrics::{
 use lashloop_plant::reference::Reference;
 
 use super::{Expectation, error, wrong_unit};
-use crate::names::UnknownName;
 use crate::scenario::controller::ControllerSettings;
 use crate::scenario::error::ScenarioError;
 use crate::scenario::origin::Origin;
 use crate::scenario::plant::PlantSettings;
 use crate::scenario::sections::{RunSettings, TelemetrySettings};
 use crate::scenario::spelling::{spell_number, spell_text};
+use lashloop_session::names::UnknownName;
 
 /// Why bench mode has no signal of the plant, and what to do.
 const NO_TRUTH: &str = "is not measured on a bench, which has encoders only; take another metric, a signal of the drive, or \

@@ -16,6 +16,7 @@ mod section;
 mod values;
 
 pub use section::Section;
+pub use values::Scalar;
 
 pub(super) use schema::{KnownKey, SectionKeys};
 pub(super) use section::read_document;

@@ -14,6 +14,17 @@ use crate::scenario::tree::{Node, Value};
 /// Up to here a fraction holds every whole number.
 const EXACT: f64 = (1_u64 << 53) as f64;
 
+/// A value of a list whose values are of any kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scalar {
+    /// A number, exact up to 2^53 if it is whole.
+    Number(f64),
+    /// `true` or `false`.
+    Boolean(bool),
+    /// A text.
+    Text(String),
+}
+
 impl<'a> Section<'a> {
     /// A number, required unless it has a default.
     pub fn number(
@@ -175,6 +186,18 @@ impl<'a> Section<'a> {
                 None
             }
         }
+    }
+
+    /// An optional list of numbers, booleans or texts, without their places. `allowed` describes it.
+    pub fn optional_scalars(&mut self, key: &'static str, allowed: &str) -> Option<Vec<Scalar>> {
+        let scalar = |node: &Node| match &node.value {
+            Value::Integer(number) => Some(Scalar::Number(*number as f64)),
+            Value::Float(number) => Some(Scalar::Number(*number)),
+            Value::Boolean(boolean) => Some(Scalar::Boolean(*boolean)),
+            Value::Text(text) => Some(Scalar::Text(text.clone())),
+            Value::Date(_) | Value::Array(_) | Value::Table(_) => None,
+        };
+        self.optional_values(key, allowed)?.iter().map(scalar).collect()
     }
 
     /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::number::six_digits;
 use crate::scenario::key::Choice;
 use crate::scenario::origin::Origin;
 use crate::scenario::reader::Section;
@@ -87,8 +88,7 @@ impl Range {
         match scale {
             Scale::Whole => Value::Integer(exact.round() as i64),
             Scale::Linear | Scale::Logarithmic => {
-                let rounded = format!("{exact:.5e}").parse().unwrap_or(exact);
-                Value::Float(f64::clamp(rounded, min.min(max), max.max(min)))
+                Value::Float(six_digits(exact).clamp(min.min(max), max.max(min)))
             }
         }
     }

@@ -16,6 +16,7 @@ const LashloopCharts = (() => {
   const RIGHT = 12;
   const TOP = 8;
   const BOTTOM = 36;
+  const SHORTEST_S = 1e-3;
   let count = 0;
 
   function svg(name, attributes, parent) {
@@ -33,6 +34,9 @@ const LashloopCharts = (() => {
     return node;
   }
 
+  // A range has a length, also that of a single step.
+  const extentOf = (from, to) => [from, Math.max(to, from + SHORTEST_S)];
+
   // A range of time and a cursor that charts have in common.
   function group(from, to) {
     const charts = [];
@@ -40,8 +44,8 @@ const LashloopCharts = (() => {
     let isQueued = false;
     const self = {
       charts,
-      extent: [from, to],
-      view: [from, to],
+      extent: extentOf(from, to),
+      view: extentOf(from, to),
       cursor: null,
       // Calls `listener(group)` after each change of range or cursor.
       listen: (listener) => listeners.push(listener),
@@ -71,9 +75,9 @@ const LashloopCharts = (() => {
       // Lengthens the extent. A range that ends with the old extent follows it.
       extend(end) {
         const [start, old] = self.extent;
-        self.extent = [start, end];
+        self.extent = extentOf(start, end);
         const [low, high] = self.view;
-        if (low === start && high === old) self.view = [start, end];
+        if (low === start && high === old) self.view = [...self.extent];
         else if (high === old) self.view = [low + end - old, end];
       },
       // Draws all visible charts with the next frame.

@@ -54,7 +54,8 @@
       const series = chart.series.map((it) => {
         const run = runs[it.run];
         const y = run.column(it.y);
-        const columns = it.x === null ? { x: run.time, y } : { t: run.time, x: run.column(it.x), y };
+        const t = it.t === undefined ? run.time : run.column(it.t);
+        const columns = it.x === undefined ? { x: run.time, y } : { t, x: run.column(it.x), y };
         return { ...columns, name: it.name, style: it.style, isHeld: it.isHeld, isDashed: it.isDashed };
       });
       place.replaceChildren();

@@ -85,26 +85,39 @@ const LashloopScale = (() => {
 
   const round = (number) => Math.round(number * 10) / 10;
 
+  // Collects points as a path. A single point becomes a dash of 3 pixels: a path of one point draws nothing.
+  function pen(isHeld) {
+    const parts = [];
+    let count = 0;
+    const lift = () => {
+      if (count === 1) parts.push("m-1.5 0h3");
+      count = 0;
+    };
+    const to = (px, py) => {
+      if (count === 0) parts.push("M", round(px), " ", round(py));
+      else if (isHeld) parts.push("H", round(px), "V", round(py));
+      else parts.push("L", round(px), " ", round(py));
+      count += 1;
+    };
+    const path = () => {
+      lift();
+      return parts.join("");
+    };
+    return { isDown: () => count > 0, lift, path, to };
+  }
+
   // Path of a curve over ascending x. Each column of a pixel keeps its first, smallest, largest and last value, so that no
   // peak is lost. A value that is not finite breaks the curve. `isHeld` draws steps.
   function path(x, y, from, to, toX, toY, isHeld) {
-    const parts = [];
-    let isOpen = false;
-    let lastPy = 0;
-    const point = (px, py) => {
-      if (!isOpen) parts.push("M", round(px), " ", round(py));
-      else if (isHeld) parts.push("H", round(px), "V", round(py));
-      else parts.push("L", round(px), " ", round(py));
-      isOpen = true;
-      lastPy = py;
-    };
     const columns = Math.abs(toX(x[to - 1]) - toX(x[from])) + 1;
+    if (!Number.isFinite(columns)) return "";
+    const line = pen(isHeld);
     if (to - from <= 3 * columns) {
       for (let i = from; i < to; i++) {
-        if (Number.isFinite(y[i])) point(toX(x[i]), toY(y[i]));
-        else isOpen = false;
+        if (Number.isFinite(y[i])) line.to(toX(x[i]), toY(y[i]));
+        else line.lift();
       }
-      return parts.join("");
+      return line.path();
     }
     let i = from;
     while (i < to) {
@@ -120,36 +133,34 @@ const LashloopScale = (() => {
         last = i;
       }
       if (low < 0) {
-        isOpen = false;
+        line.lift();
         continue;
       }
-      if (Number.isFinite(y[first])) point(column, toY(y[first]));
+      if (Number.isFinite(y[first])) line.to(column, toY(y[first]));
       const [one, two] = low < high ? [low, high] : [high, low];
-      point(column, toY(y[one]));
-      if (two !== one) point(column, toY(y[two]));
-      if (toY(y[last]) !== lastPy) point(column, toY(y[last]));
+      line.to(column, toY(y[one]));
+      if (two !== one) line.to(column, toY(y[two]));
+      if (y[last] !== y[two]) line.to(column, toY(y[last]));
     }
-    return parts.join("");
+    return line.path();
   }
 
   // Path of a curve over any x. A point less than half a pixel from the one before is omitted.
   function trail(x, y, from, to, toX, toY) {
-    const parts = [];
-    let isOpen = false;
+    const line = pen(false);
     let [lastX, lastY] = [0, 0];
     for (let i = from; i < to; i++) {
       if (!Number.isFinite(x[i]) || !Number.isFinite(y[i])) {
-        isOpen = false;
+        line.lift();
         continue;
       }
       const px = toX(x[i]);
       const py = toY(y[i]);
-      if (isOpen && Math.abs(px - lastX) + Math.abs(py - lastY) < 0.5) continue;
-      parts.push(isOpen ? "L" : "M", round(px), " ", round(py));
-      isOpen = true;
+      if (line.isDown() && Math.abs(px - lastX) + Math.abs(py - lastY) < 0.5) continue;
+      line.to(px, py);
       [lastX, lastY] = [px, py];
     }
-    return parts.join("");
+    return line.path();
   }
 
   return { labels, lowerBound, minus, nearest, padded, path, range, readOut, ticks, trail };

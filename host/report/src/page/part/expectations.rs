@@ -106,6 +106,10 @@ fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
         }
         (None, None) => return None,
     };
+    // Equal limits have no range to show.
+    if !(high > low && (high - low).is_finite()) {
+        return None;
+    }
     let place = |value: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
     Some((place(expectation.min.unwrap_or(low)), place(expectation.max.unwrap_or(high)), place(value)))
 }

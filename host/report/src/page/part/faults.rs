@@ -1,28 +1,36 @@
-//! The injected faults over time.
+//! The injected faults over time, and the texts of the drive.
 
 use maud::{Markup, html};
 
-use super::super::summary::{Fault, Summary};
+use super::super::input::Run;
+use super::super::summary::Fault;
 
-pub(in super::super) fn section(summary: &Summary) -> Markup {
+pub(in super::super) fn section(run: &Run) -> Markup {
+    let faults = run.faults();
+    let period_s = run.period_s();
+    let steps = run.summary.as_ref().map_or(run.times_s().len() as u64, |summary| summary.steps);
     html! {
         section #faults {
             h2 { "Injected faults" }
-            @if summary.faults.is_empty() {
+            @if faults.is_empty() {
                 p { "None." }
             } @else {
-                ol.timeline { @for fault in &summary.faults { (row(fault, summary)) } }
-                p.axis aria-hidden="true" { span { "0 s" } span { (format!("{:.3} s", summary.simulated_s)) } }
+                ol.timeline { @for fault in &faults { (row(fault, steps, period_s)) } }
+                p.axis aria-hidden="true" { span { "0 s" } span { (format!("{:.3} s", steps as f64 * period_s)) } }
+            }
+            @if !run.record.logs.is_empty() {
+                h3 { "Texts of the drive" }
+                ol.log { @for log in &run.record.logs { li {
+                    button.jump type="button" data-time=(log.step as f64 * period_s) { (format!("{:.3} s", log.step as f64 * period_s)) }
+                    " " (log.text)
+                } } }
             }
         }
     }
 }
 
-fn row(fault: &Fault, summary: &Summary) -> Markup {
-    let period_s = f64::from(summary.timing.period_us) * 1e-6;
-    let at = |step: u64| {
-        if summary.steps == 0 { 0.0 } else { (step as f64 / summary.steps as f64 * 100.0).min(100.0) }
-    };
+fn row(fault: &Fault, steps: u64, period_s: f64) -> Markup {
+    let at = |step: u64| if steps == 0 { 0.0 } else { (step as f64 / steps as f64 * 100.0).min(100.0) };
     let from = at(fault.step);
     let until = fault.until_step.map_or(100.0, at);
     let start_s = fault.step as f64 * period_s;

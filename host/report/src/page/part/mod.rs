@@ -1,6 +1,7 @@
 //! Parts of a page: one section per file.
 
 pub(super) mod command;
+pub(super) mod differences;
 pub(super) mod expectations;
 pub(super) mod faults;
 pub(super) mod metrics;

@@ -1,5 +1,7 @@
 //! What was run, and how to run it again.
 
+use std::path::{self, Path};
+
 use lashloop_record::manifest::{Manifest, Number, ParameterInForce};
 use maud::{Markup, html};
 
@@ -46,6 +48,8 @@ fn of_manifest(manifest: &Manifest) -> Markup {
             dt { "scenario" } dd { (manifest.scenario.name) br; code { (manifest.scenario.path) }
                 @if let Some(hash) = &manifest.scenario.sha256 { br; code.hash { (hash) } } }
             dt { "started" } dd { (manifest.started) }
+            dt { "command" } dd { code { (super::command::joined(&manifest.command_line)) } }
+            @if let Some(folder) = &manifest.working_directory { dt { "working directory" } dd { code { (folder) } } }
             dt { "device" } dd { (manifest.device_description) }
             dt { "mode and clock" } dd { (if manifest.mode.is_hil() { "hil" } else { "bench" }) ", " (manifest.clock) ", period " (manifest.period_us) " \u{b5}s" }
             dt { "law" } dd { code { (manifest.law) } }
@@ -141,12 +145,12 @@ fn results(summary: &Summary) -> Markup {
     }
 }
 
-/// The commands that repeat the run.
+/// The command that repeats the run.
 pub(in super::super) fn repeat(run: &Run) -> Markup {
-    let (command, note) = match (&run.record.manifest, &run.summary) {
+    let (words, note) = match (&run.record.manifest, &run.summary) {
         (Some(manifest), _) => (
-            manifest.command_line.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "),
-            "The command of this run. The folder of the record has scenario.toml with every key resolved, which runs again as it is.",
+            rerun(run, manifest),
+            "The resolved scenario of the record with its device and its clock, compared with this run; options are in docs/comparing.md.",
         ),
         (None, Some(summary)) => {
             let device = summary.device.split(" (").next().unwrap_or(&summary.device);
@@ -160,7 +164,7 @@ pub(in super::super) fn repeat(run: &Run) -> Markup {
                 &summary.controller,
             ];
             (
-                words.map(quoted).join(" "),
+                words.map(str::to_owned).to_vec(),
                 "Without the settings of the command line, which this record lacks.",
             )
         }
@@ -169,18 +173,20 @@ pub(in super::super) fn repeat(run: &Run) -> Markup {
     html! {
         section #repeat {
             h2 { "Run it again" }
-            (super::command::copied(&command))
+            (super::command::copied(&words))
             p.note { (note) }
         }
     }
 }
 
-/// A word of a shell.
-fn quoted(word: &str) -> String {
-    let is_plain = |character: char| character.is_ascii_alphanumeric() || "-_./:=,@%+".contains(character);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
+/// The command that runs the scenario of a record again. A rig is given anew, because its limits are.
+fn rerun(run: &Run, manifest: &Manifest) -> Vec<String> {
+    let folder = &run.record.folder;
+    let folder = path::absolute(folder).unwrap_or_else(|_| folder.clone());
+    let mut words = vec!["lashloop".to_owned(), "rerun".to_owned(), folder.display().to_string()];
+    if let Some(rig) = &manifest.rig {
+        let rig = Path::new(manifest.working_directory.as_deref().unwrap_or_default()).join(rig);
+        words.extend(["--rig".to_owned(), rig.display().to_string()]);
     }
+    words
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::data::{Chart, Data, Part};
+use super::super::data::{Chart, Data, Part, TRAIL_GROUP};
 
 /// Controls of all charts; they stay in view.
 pub(in super::super) fn controls() -> Markup {
@@ -44,7 +44,10 @@ pub(in super::super) fn note(data: &Data) -> Markup {
              move the cursor, with Shift they pan; + and \u{2212} zoom, Home and End go to the ends, Escape shows the whole range. "
             "Curves are rounded to 1/" (data.steps) " of their range"
             @match data.thinned() {
-                Some(steps) => { "; of each " (steps) " steps they have the smallest and the largest value. " }
+                Some(steps) => {
+                    "; of each " (steps) " steps they have the smallest and the largest value. Phase plane and hysteresis have the steps with the \
+                     smallest and the largest value of either axis, of each " (steps * TRAIL_GROUP) " steps. "
+                }
                 None => "; every step is there. ",
             }
             "The record has all digits."

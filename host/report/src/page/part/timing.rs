@@ -6,14 +6,10 @@ use maud::{Markup, html};
 use super::super::input::Run;
 use super::super::summary::{Quantiles, Timing};
 use super::super::typeset::shown;
+use crate::steps::{parts_us, round_trip_us};
 
 /// Worst steps that are listed.
 const LISTED: usize = 10;
-
-/// From the start of sending a sample to the end of receiving its torque; NaN for a step without an answer.
-pub(in super::super) fn round_trip_us(row: &TimingRow) -> f64 {
-    row.send_us + row.line_and_device_us + row.compute_us + row.receive_us
-}
 
 pub(in super::super) fn section(run: &Run) -> Markup {
     html! {
@@ -91,15 +87,21 @@ fn duration(us: f64) -> String {
     }
 }
 
-/// The steps with the longest time from their due time to their torque; those without a torque first.
-fn worst(run: &Run) -> Markup {
-    let until_torque_us = |row: &TimingRow| match round_trip_us(row) {
-        trip_us if row.answered != 0.0 && trip_us.is_finite() => row.lateness_us + trip_us,
-        _ => f64::INFINITY,
+/// Steps with their times: those without a torque first, then those with the longest time from their due time to their torque.
+fn worst_of(run: &Run) -> Vec<(&TimingRow, f64)> {
+    // A torque may lack its round trip: in bench mode there is none, after a retransmission it is not measured.
+    let until_torque_us = |row: &TimingRow| match row.answered {
+        0.0 => f64::INFINITY,
+        _ => row.lateness_us + parts_us(row).into_iter().filter(|part_us| part_us.is_finite()).sum::<f64>(),
     };
-    let mut rows: Vec<_> = run.timing.iter().zip(run.times_s()).collect();
+    let mut rows: Vec<_> = run.timing.iter().zip(run.times_s().iter().copied()).collect();
     rows.sort_by(|(a, _), (b, _)| until_torque_us(b).total_cmp(&until_torque_us(a)));
     rows.truncate(LISTED);
+    rows
+}
+
+fn worst(run: &Run) -> Markup {
+    let rows = worst_of(run);
     let cell = |value: f64| {
         if value.is_finite() { shown(value) } else { "\u{2013}".to_owned() }
     };

@@ -1,0 +1,201 @@
+//! The values of an axis: keys of the scenario that take one value together.
+
+use std::fmt;
+
+use lashloop_bench::scenario::Scalar;
+
+/// A value of an axis. Displayed as in a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AxisValue {
+    Number(f64),
+    Boolean(bool),
+    Text(String),
+}
+
+impl AxisValue {
+    /// The value as after `--set key=`.
+    #[must_use]
+    pub fn setting(&self) -> String {
+        match self {
+            // Quotes keep a text such as "1" from becoming a number.
+            Self::Text(text) => toml_edit::Value::from(text.as_str()).to_string(),
+            other => other.to_string(),
+        }
+    }
+
+    #[must_use]
+    pub const fn number(&self) -> Option<f64> {
+        if let Self::Number(number) = self { Some(*number) } else { None }
+    }
+}
+
+impl From<Scalar> for AxisValue {
+    fn from(scalar: Scalar) -> Self {
+        match scalar {
+            Scalar::Number(number) => Self::Number(number),
+            Scalar::Boolean(boolean) => Self::Boolean(boolean),
+            Scalar::Text(text) => Self::Text(text),
+        }
+    }
+}
+
+impl fmt::Display for AxisValue {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            // Counts and microseconds are whole numbers, which have no point in a scenario.
+            Self::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => write!(out, "{number}"),
+            Self::Number(number) => write!(out, "{number:?}"),
+            Self::Boolean(boolean) => write!(out, "{boolean}"),
+            Self::Text(text) => out.write_str(text),
+        }
+    }
+}
+
+/// An axis of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Keys of the scenario. The first one names the axis and its random stream.
+    pub keys: Vec<String>,
+    /// What the quantity is called in tables; the first key if absent.
+    pub label: Option<String>,
+    pub unit: String,
+    pub values: Values,
+    /// A key whose value multiplies the drawn one.
+    pub times: Option<String>,
+}
+
+impl Axis {
+    /// Name of the axis and of its column.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.keys.first().map_or("", String::as_str)
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    Listed(Vec<AxisValue>),
+    Range(Range),
+}
+
+impl Values {
+    /// Number of values in a grid or a list.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        match self {
+            Self::Listed(values) => values.len() as u64,
+            Self::Range(range) => range.points.unwrap_or(1),
+        }
+    }
+
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Value `index` of a grid or a list; a range includes both of its ends.
+    #[must_use]
+    pub fn at_index(&self, index: u64) -> AxisValue {
+        match self {
+            Self::Listed(values) => values[index as usize % values.len()].clone(),
+            Self::Range(range) => {
+                let last = range.points.unwrap_or(1).max(2) - 1;
+                AxisValue::Number(range.at(index as f64 / last as f64))
+            }
+        }
+    }
+
+    /// Each listed value, or both ends of the range.
+    #[must_use]
+    pub fn extremes(&self) -> Vec<AxisValue> {
+        match self {
+            Self::Listed(values) => values.clone(),
+            Self::Range(Range { min, max, .. }) => [*min, *max].map(AxisValue::Number).to_vec(),
+        }
+    }
+
+    /// The value at a fraction, 0 to 1. Each listed value has an equal part of it.
+    #[must_use]
+    pub fn at_fraction(&self, fraction: f64) -> AxisValue {
+        match self {
+            Self::Listed(values) => {
+                let index = (fraction * values.len() as f64) as usize;
+                values[index.min(values.len() - 1)].clone()
+            }
+            Self::Range(range) => AxisValue::Number(range.at(fraction)),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    pub min: f64,
+    pub max: f64,
+    pub scale: Scale,
+    /// Points of a grid or a list.
+    pub points: Option<u64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    Linear,
+    Logarithmic,
+    Whole,
+}
+
+impl Range {
+    /// The value at a fraction, 0 to 1. Equal on every machine: the power is that of libm in software.
+    fn at(&self, fraction: f64) -> f64 {
+        let Self { min, max, scale, .. } = *self;
+        if fraction >= 1.0 {
+            return max;
+        }
+        match scale {
+            Scale::Linear => (min + (max - min) * fraction).clamp(min, max),
+            Scale::Whole => (min + (max - min) * fraction).round(),
+            Scale::Logarithmic => (min * libm::pow(max / min, fraction)).clamp(min, max),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn range(min: f64, max: f64, scale: Scale) -> Values {
+        Values::Range(Range { min, max, scale, points: Some(5) })
+    }
+
+    #[test]
+    fn a_range_has_both_ends_and_equal_steps_or_ratios() {
+        let all = |values: Values| {
+            (0..5).map(|at| values.at_index(at).number().expect("a number")).collect::<Vec<_>>()
+        };
+        assert_eq!(all(range(1.0, 3.0, Scale::Linear)), [1.0, 1.5, 2.0, 2.5, 3.0]);
+        assert_eq!(all(range(1.0, 4.0, Scale::Whole)), [1.0, 2.0, 3.0, 3.0, 4.0]);
+        let ratios = all(range(1.0, 1e4, Scale::Logarithmic));
+        for (have, want) in ratios.iter().zip([1.0, 10.0, 100.0, 1e3, 1e4]) {
+            assert!((have / want - 1.0).abs() < 1e-12, "{ratios:?}");
+        }
+    }
+
+    #[test]
+    fn last_point_of_a_range_is_its_end() {
+        for scale in [Scale::Linear, Scale::Logarithmic] {
+            assert_eq!(range(1.73, 7.22, scale).at_index(4).number(), Some(7.22));
+        }
+    }
+
+    #[test]
+    fn settings_read_back_as_the_same_value() {
+        for (value, want) in [
+            (AxisValue::Number(1000.0), "1000"),
+            (AxisValue::Number(0.1), "0.1"),
+            (AxisValue::Number(1e300), "1e300"),
+            (AxisValue::Boolean(true), "true"),
+            (AxisValue::Text("1".to_owned()), "\"1\""),
+        ] {
+            assert_eq!(value.setting(), want);
+        }
+    }
+}

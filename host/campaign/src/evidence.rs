@@ -1,0 +1,182 @@
+//! Records of the worst runs and of failures, and any row run again. A run that is repeated must give the same torques.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+use lashloop_bench::atomic_file::remove_if_present;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, StepObserver};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
+use lashloop_record::file_names::LATEST;
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::source::RunSource;
+use lashloop_record::summary::Summary;
+use lashloop_record::writer::RecordWriter;
+
+use crate::campaign::Campaign;
+use crate::cell::{Cell, Missing};
+use crate::error::CampaignError;
+use crate::row::{CaseResult, Columns, LAST};
+use crate::run::result_of;
+use crate::table::Table;
+use crate::workers::Stop;
+
+/// Folder of the records, in that of the results.
+pub const EVIDENCE: &str = "evidence";
+
+/// A row that is run again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pick {
+    pub case: u64,
+    /// The fields of the row.
+    pub row: StringRecord,
+}
+
+impl Pick {
+    #[must_use]
+    pub fn is_failure(&self) -> bool {
+        self.row.get(self.row.len().saturating_sub(LAST.len())) != Some(PASS)
+    }
+}
+
+/// The verdict of a run that is no failure.
+const PASS: &str = "PASS";
+
+/// What runs cases again.
+pub struct Repeater<'a> {
+    pub campaign: &'a Campaign,
+    pub device: &'a DeviceChoice,
+    pub supervisor: &'a Supervisor,
+    /// The summary of a run.
+    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
+}
+
+/// The rows whose records are kept: the worst ones, then failures in the order of cases, each once.
+///
+/// # Errors
+/// The table can't be read, or is not that of its campaign.
+pub fn picks(table: &Table<'_>) -> Result<Vec<Pick>, CampaignError> {
+    let settings = &table.campaign.file.evidence;
+    let of = table.columns.numbers.iter().position(|name| Some(name) == settings.of.as_ref());
+    // The worst first; of equals the first case.
+    let mut worst: Vec<(Cell, Pick)> = Vec::new();
+    let mut failures = Vec::new();
+    if settings.worst == 0 && settings.failures == 0 {
+        return Ok(failures);
+    }
+    table.for_each(|row| {
+        let pick = || Pick { case: row.case, row: row.fields().clone() };
+        let cell = of.and_then(|column| row.cell(column));
+        if let Some(cell) =
+            cell.filter(|cell| !matches!(cell, Cell::Missing(Missing::Unmeasured | Missing::Omitted)))
+        {
+            let cell = cell.magnitude();
+            let place = worst.partition_point(|(worse, _)| worse.order(&cell).is_ge());
+            if (place as u64) < settings.worst {
+                worst.insert(place, (cell, pick()));
+                worst.truncate(settings.worst as usize);
+            }
+        }
+        if row.verdict() != PASS && (failures.len() as u64) < settings.failures {
+            failures.push(pick());
+        }
+        Ok(())
+    })?;
+    let mut picks: Vec<_> = worst.into_iter().map(|(_, pick)| pick).collect();
+    failures.retain(|failure| !picks.contains(failure));
+    picks.append(&mut failures);
+    Ok(picks)
+}
+
+/// The row of a case.
+///
+/// # Errors
+/// The table can't be read, or the campaign has no such case.
+pub fn pick(table: &Table<'_>, case: u64) -> Result<Pick, CampaignError> {
+    table.campaign.case(case)?;
+    let mut found = StringRecord::new();
+    table.for_each(|row| {
+        if row.case == case {
+            found = row.fields().clone();
+        }
+        Ok(())
+    })?;
+    Ok(Pick { case, row: found })
+}
+
+/// Folder of a case's record.
+#[must_use]
+pub fn folder_of(results: &Path, case: u64) -> PathBuf {
+    results.join(EVIDENCE).join(format!("case-{case:06}"))
+}
+
+impl Repeater<'_> {
+    /// Runs a row again and keeps its record among the evidence, in place of an older one; `None` if the user stopped it.
+    ///
+    /// # Errors
+    /// As [`repeat`](Self::repeat), or the folder of the record has files of the user.
+    pub fn keep(&self, pick: &Pick, results: &Path) -> Result<Option<CaseResult>, CampaignError> {
+        let folder = folder_of(results, pick.case);
+        let result = self.repeat(pick, Some(RecordFolder::claim(&folder, true)?));
+        // The last of several records is none that a user looks for.
+        let latest = folder.with_file_name(LATEST);
+        if fs::read_link(&latest).is_ok_and(|target| Some(target.as_os_str()) == folder.file_name()) {
+            remove_if_present(&latest)?;
+        }
+        result
+    }
+
+    /// Runs a row again, with a record if a folder is given, and compares it with the table; `None` if the user stopped it.
+    ///
+    /// # Errors
+    /// The run fails, the record can't be written, or the row differs.
+    pub fn repeat(
+        &self,
+        pick: &Pick,
+        record: Option<RecordFolder>,
+    ) -> Result<Option<CaseResult>, CampaignError> {
+        let case = self.campaign.case(pick.case)?;
+        let scenario = self.campaign.scenario(&case)?;
+        let failed = |source: RunError| CampaignError::Run { case: pick.case, source: Box::new(source) };
+        let source = Path::new(&self.campaign.scenario_source(&case).path);
+        let overrides = self.campaign.overrides(&case);
+        if let Some(folder) = &record {
+            folder.check_source(source)?;
+        }
+        let mut writer = record.map(|folder| {
+            RecordWriter::new(folder, RunSource::new(source, &overrides, self.campaign.plants()))
+        });
+        let lockstep = ClockName::Lockstep;
+        let opened = DeviceUnderTest::open(&scenario, self.device, lockstep, self.supervisor, |link| link);
+        let mut device = opened.map_err(|error| failed(error.into()))?;
+        let stop = Stop::new(self.supervisor);
+        let mut stopper = &stop;
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut stopper];
+        observers.extend(writer.as_mut().map(|writer| writer as &mut dyn StepObserver));
+        let outcome =
+            run::run(&scenario, &mut device, Clock::Lockstep, &mut Observers(observers)).map_err(failed)?;
+        if outcome.end == End::Interrupted {
+            return Ok(None);
+        }
+        if let Some(writer) = writer {
+            writer.finish(&(self.summary)(&scenario, &device.device, &outcome))?;
+        }
+        let result = result_of(self.campaign, &case, outcome);
+        let columns = Columns::of(self.campaign);
+        let again = columns.fields(self.campaign, &case, &result);
+        // The torques first: other differences usually follow from them.
+        let places = [columns.len() - 1].into_iter().chain(0..columns.len());
+        for place in places {
+            let (before, again) = (&pick.row[place], &again[place]);
+            if before != again {
+                let column = columns.name(place).to_owned();
+                let (before, again) = (before.to_owned(), again.to_owned());
+                return Err(CampaignError::NotRepeated { case: pick.case, column, before, again });
+            }
+        }
+        Ok(Some(result))
+    }
+}
