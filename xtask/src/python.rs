@@ -67,7 +67,7 @@ impl Project {
     pub(crate) fn test(self) -> Result<Counts> {
         // The tests run the program and the native twin, built as the Rust tests build it.
         let target = paths::root().join("target");
-        run(cargo("build --quiet --workspace --bin lashloop --target-dir").arg(&target))?;
+        run(cargo("programs --quiet --target-dir").arg(&target))?;
         // A copy: builds of the chores that run at the same time replace the program.
         let program = environment().join("program/lashloop");
         fs::create_dir_all(environment().join("program"))?;

@@ -1,8 +1,5 @@
 //! `lashloop battery`: control laws on plants outside their tuning.
 
-use std::num::NonZeroUsize;
-use std::path::PathBuf;
-
 use clap::Args;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
 use lashloop_bench::verdict::Exit;
@@ -13,7 +10,7 @@ use lashloop_campaign::table::Table;
 use lashloop_firmware::Laws;
 
 use super::campaign_run::{
-    Concluded, Execution, Made, ResultsFolder, evidence_interrupted, interruption, jobs, start,
+    Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
 };
 use super::error::CliError;
 use super::options::plants;
@@ -52,17 +49,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     no_sweeps: bool,
 
-    /// Runs in parallel [default: number of cores]
-    #[arg(long)]
-    jobs: Option<NonZeroUsize>,
-
-    /// Folder for the results: results.csv, report.json, and what resumes them
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Continue the results in the folder of --out
-    #[arg(long, requires = "out")]
-    resume: bool,
+    #[command(flatten)]
+    runs: RunsOptions,
 }
 
 impl Arguments {
@@ -75,14 +63,15 @@ impl Arguments {
             points: Some(self.plants),
         };
         let campaign = campaign(selection, &plants(bench))?;
-        let folder = ResultsFolder::new(self.out.as_deref())?;
+        let folder = ResultsFolder::new(self.runs.out.as_deref())?;
         let folder = folder.path();
         let (device, supervisor) = (InProcessDrive::<Laws>::default().into(), start_supervisor()?);
-        let is_kept = self.out.is_some();
+        let is_kept = self.runs.out.is_some();
         let execution =
             Execution { campaign: &campaign, device: &device, folder, supervisor: &supervisor, is_kept };
-        let Made { done, .. } = execution.run(Shard::WHOLE, jobs(self.jobs, &device)?, start(self.resume))?;
-        if let Some(text) = interruption(done, campaign.plan.cases(), self.out.as_deref()) {
+        let Made { done, .. } =
+            execution.run(Shard::WHOLE, jobs(self.runs.jobs, &device)?, start(self.runs.resume))?;
+        if let Some(text) = interruption(done, campaign.plan.cases(), self.runs.out.as_deref()) {
             outln!("{text}");
             return Ok(Exit::Invalid);
         }

@@ -1,6 +1,5 @@
 //! `lashloop campaign`: many runs of a scenario over plants, links and laws, in shards, merged to one table and a verdict.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -16,7 +15,7 @@ use lashloop_campaign::{Campaign, CampaignError};
 use lashloop_record::folder::RecordFolder;
 
 use super::campaign_run::{
-    Concluded, Execution, Made, ResultsFolder, evidence_interrupted, interruption, jobs, start,
+    Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
 };
 use super::campaign_selection::SelectionOptions;
 use super::campaign_submit::{Status, Submit};
@@ -116,20 +115,11 @@ struct RunArguments {
     #[arg(long, default_value = "inproc", value_name = "DEVICE")]
     device: DeviceChoice,
 
-    /// Runs in parallel [default: number of cores]
-    #[arg(long)]
-    jobs: Option<NonZeroUsize>,
-
     #[command(flatten)]
     selection: SelectionOptions,
 
-    /// Folder for shards, results.csv, report and evidence
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Continue the results in the folder of --out
-    #[arg(long, requires = "out")]
-    resume: bool,
+    #[command(flatten)]
+    runs: RunsOptions,
 }
 
 impl Arguments {
@@ -183,17 +173,18 @@ impl RunArguments {
         let environment = |name: &str| std::env::var(name).ok();
         let shard = self.shard.map(|choice| choice.resolve(environment, self.shards)).transpose();
         let shard = shard.map_err(CampaignError::from)?;
-        let jobs = jobs(self.jobs, &self.device)?;
+        let jobs = jobs(self.runs.jobs, &self.device)?;
         let campaign = self.selection.read(&self.file, bench)?;
-        let folder = ResultsFolder::new(self.out.as_deref())?;
+        let folder = ResultsFolder::new(self.runs.out.as_deref())?;
         let folder = folder.path();
-        let (supervisor, is_kept) = (start_supervisor()?, self.out.is_some());
+        let (supervisor, is_kept) = (start_supervisor()?, self.runs.out.is_some());
         let execution =
             Execution { campaign: &campaign, device: &self.device, folder, supervisor: &supervisor, is_kept };
-        let Made { done, speed } = execution.run(shard.unwrap_or(Shard::WHOLE), jobs, start(self.resume))?;
+        let Made { done, speed } =
+            execution.run(shard.unwrap_or(Shard::WHOLE), jobs, start(self.runs.resume))?;
         speed.iter().for_each(|speed| error_line(format_args!("{speed}")));
         let all = shard.unwrap_or(Shard::WHOLE).len(campaign.plan.cases());
-        if let Some(text) = interruption(done, all, self.out.as_deref()) {
+        if let Some(text) = interruption(done, all, self.runs.out.as_deref()) {
             outln!("{text}");
             return Ok(Exit::Invalid);
         }

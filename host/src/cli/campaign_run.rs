@@ -2,10 +2,11 @@
 
 use std::io::Write as _;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Instant;
 
+use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
@@ -35,6 +36,22 @@ use crate::journal::program_sha256;
 
 pub(super) const REPORT_JSON: &str = "report.json";
 pub(super) const REPORT_TEXT: &str = "report.txt";
+
+/// How many runs at a time, and where their results go.
+#[derive(Args)]
+pub(super) struct RunsOptions {
+    /// Runs in parallel [default: number of cores]
+    #[arg(long)]
+    pub(super) jobs: Option<NonZeroUsize>,
+
+    /// Folder for the results: shards, results.csv, reports, and for `campaign` the evidence
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+
+    /// Continue the results in the folder of --out
+    #[arg(long, requires = "out")]
+    pub(super) resume: bool,
+}
 
 /// A campaign on a device, into a folder.
 pub(super) struct Execution<'a> {

@@ -111,27 +111,14 @@ impl Ending {
 #[cfg(test)]
 mod tests {
     use lashloop_bench::run::{End, Outcome};
-    use lashloop_bench::timing::{ClockName, Timings};
-    use lashloop_bench::verdict::{Breach, Judgement, LinkCounts};
-    use lashloop_plant::metrics::{Measurement, SignalTable};
+    use lashloop_bench::verdict::{Breach, Judgement};
 
     use super::*;
+    use crate::outcome::tests::one_step;
 
     fn outcome(verdict: Verdict, end: End, breaches: Vec<Breach>) -> Outcome {
-        Outcome {
-            judgement: Judgement { verdict, expectations: Vec::new(), breaches, gate: None },
-            end,
-            metrics: Measurement::new(1e-3, &SignalTable::default()).metrics(),
-            link: LinkCounts::default(),
-            timing: Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new()),
-            faults: Vec::new(),
-            steps: 1,
-            simulated_s: 1e-3,
-            wall_s: 1e-3,
-            torque_sha256: String::new(),
-            logs: Vec::new(),
-            signals: SignalTable::default(),
-        }
+        let judgement = Judgement { verdict, expectations: Vec::new(), breaches, gate: None };
+        Outcome { judgement, end, ..one_step(verdict) }
     }
 
     #[test]

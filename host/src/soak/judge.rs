@@ -56,29 +56,12 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::outcome::tests::one_step;
     use crate::soak::short_scenario::with_faults;
     use lashloop_bench::fault::log::FaultRecord;
-    use lashloop_bench::timing::{ClockName, Timings};
-    use lashloop_bench::verdict::Judgement;
-    use lashloop_plant::metrics::{Measurement, SignalTable};
 
     fn outcome(verdict: Verdict, link: LinkCounts) -> Outcome {
-        let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
-        let metrics = Measurement::new(1e-3, &SignalTable::default()).metrics();
-        Outcome {
-            judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new(), gate: None },
-            end: End::Complete,
-            metrics,
-            link,
-            timing,
-            faults: Vec::new(),
-            steps: 1,
-            simulated_s: 1e-3,
-            wall_s: 1e-3,
-            torque_sha256: String::new(),
-            logs: Vec::new(),
-            signals: SignalTable::default(),
-        }
+        Outcome { link, ..one_step(verdict) }
     }
 
     fn wrong_with(outcome: &Outcome) -> Option<String> {

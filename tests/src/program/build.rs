@@ -40,18 +40,7 @@ fn build() -> PathBuf {
         None => panic!("{} is not the folder of a profile", folder.display()),
     };
     let built = Command::new(env!("CARGO"))
-        .args([
-            "build",
-            "--quiet",
-            "--workspace",
-            "--bin",
-            "lashloop",
-            "--bin",
-            "own-law",
-            "--bin",
-            "own-plant",
-        ])
-        .args(["--profile", profile, "--target-dir"])
+        .args(["programs", "--quiet", "--profile", profile, "--target-dir"])
         .arg(target)
         .current_dir(workspace())
         .output()
