@@ -1,7 +1,8 @@
 //! The whole gate on two cores: which chores run at the same time.
 //!
-//! A build needs both cores, an emulated board one, the network none. Tests that measure time, and drives in processes of
-//! their own with their timeouts, run when nothing else does.
+//! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other: the
+//! third lane keeps both cores busy. Tests that measure time, and drives in processes of their own with their timeouts, run
+//! when nothing else does.
 
 use std::env;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -30,8 +31,9 @@ const IN_BACKGROUND: &str = "test python --timing untimed";
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 2] = [
     &[
-        &[SETUP, "test image", "test usb", "test cluster", "test browser", "test fuzz --seconds 10"],
-        &["check", "test unit --timing untimed", "test silicon"],
+        &[SETUP, "test image", "test usb", "test cluster", "test browser"],
+        &["check", "test unit --timing untimed", "test fuzz --seconds 10"],
+        &["test silicon"],
     ],
     &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
 ];
