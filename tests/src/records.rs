@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use lashloop_record::file_names::{SUMMARY_FILE, TRACE_FILE};
 use lashloop_record::reader::{Record, Table};
@@ -12,7 +13,8 @@ use crate::wait;
 
 /// A folder for `--out`, deleted at the end of the test.
 pub struct Records {
-    folder: TempDir,
+    folder: Rc<TempDir>,
+    name: PathBuf,
 }
 
 /// A table of numbers, column by column.
@@ -32,7 +34,9 @@ impl Records {
     /// The system can't create a folder.
     #[must_use]
     pub fn new() -> Self {
-        let records = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let folder = Rc::new(tempfile::tempdir().expect("a temporary folder"));
+        // In a folder of its own: a record is followed by the link `latest` next to it.
+        let records = Self { folder, name: PathBuf::from("record") };
         fs::create_dir(records.path("")).expect("a folder in it");
         records
     }
@@ -40,14 +44,19 @@ impl Records {
     /// The folder as an argument of `--out`.
     #[must_use]
     pub fn out(&self) -> String {
-        self.folder.path().join("record").display().to_string()
+        self.folder.path().join(&self.name).display().to_string()
     }
 
     /// Path of a file in the folder.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
-        // In a folder of its own: a record is followed by the link `latest` next to it.
-        self.folder.path().join("record").join(name)
+        self.folder.path().join(&self.name).join(name)
+    }
+
+    /// A record within the folder, of a command that leaves several.
+    #[must_use]
+    pub fn within(&self, name: &str) -> Self {
+        Self { folder: Rc::clone(&self.folder), name: self.name.join(name) }
     }
 
     /// Text of `summary.json`; `None` without the file.

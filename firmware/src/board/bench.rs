@@ -9,6 +9,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
 use super::device_clock::DeviceClock;
+use super::encoder::LARGEST_COUNTS_PER_S;
 use super::fitted::{Lines, LoadEncoder, MotorEncoder};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
@@ -20,9 +21,12 @@ use crate::quadrature::LARGEST_MOVE_COUNTS;
 /// The power stage as the drive commands it.
 pub type Stage = Actuator<PwmStage<Lines>>;
 
-/// Limits of 16-bit encoder counters, and of a tick whose timer counts microseconds in 32 bits.
-pub(super) const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: LARGEST_MOVE_COUNTS, longest_period_us: u32::MAX };
+/// Limits of 16-bit encoder counters and their filter, and of a tick whose timer counts microseconds in 32 bits.
+pub(super) const HARDWARE: PinHardware = PinHardware {
+    largest_move_counts: LARGEST_MOVE_COUNTS,
+    largest_counts_per_s: LARGEST_COUNTS_PER_S,
+    longest_period_us: u32::MAX,
+};
 
 /// The tick and the encoders, for the task of TIM5.
 pub struct Tick {

@@ -13,6 +13,10 @@ use crate::quadrature::{QuadratureCounter, Sampled};
 /// the timer's 84 MHz.
 const PIN_TO_COUNT_CYCLES: u32 = 16;
 
+/// Fastest motion that the filter passes: 4 samples are 47.6 ns, and a level of a channel lasts two counts. A 16-bit counter
+/// would take more at periods below 0.8 ms.
+pub(super) const LARGEST_COUNTS_PER_S: u32 = 41_000_000;
+
 /// One encoder: its timer and the pins of both channels.
 pub(super) struct Encoder<T, A, B> {
     timer: T,
@@ -26,8 +30,7 @@ impl<T: Deref<Target = RegisterBlock> + Enable + Reset, A: ReadPin, B: ReadPin> 
     pub(super) fn new(timer: T, (a, b): (A, B), rcc: &mut Rcc) -> Self {
         T::enable(rcc);
         T::reset(rcc);
-        // 4 samples at the timer's 84 MHz: pulses below 48 ns are noise. A channel of the fastest motion, 32,767 counts in
-        // 1 ms, has pulses of 61 ns.
+        // 4 samples at the timer's 84 MHz: pulses below 48 ns are noise.
         timer.ccmr1_input().write(|w| {
             w.cc1s().ti1().ic1f().fck_int_n4();
             w.cc2s().ti2().ic2f().fck_int_n4()

@@ -13,9 +13,10 @@
 //! | PA11, PA12 | USB | USB connector |
 //! | OSC_IN, OSC_OUT | 8 MHz crystal | |
 //!
-//! No break input of TIM1 is free on this board: PB12 is EN_GATE. The gate driver itself turns off at an overcurrent; nFAULT is
-//! read at every tick. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and reports
-//! a fault until then. The bridge is off while TIM1 holds all gates low.
+//! No break input of TIM1 is free on this board: PB12 is EN_GATE. nFAULT is read at every tick. What the gate driver does at an
+//! overcurrent was not tried: by its data sheet it limits the current after power-up, and reports that on nOCTW, which is not
+//! read. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and reports a fault until
+//! then. The bridge is off while TIM1 holds all gates low.
 
 use stm32f4xx_hal::gpio::{Alternate, Input, PA8, PA9, PB4, PB5, PB6, PB7, PB13, PB14, PD2, PinState, Pull};
 use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4};

@@ -76,7 +76,8 @@ impl<S: StageLines> PowerStage for PwmStage<S> {
         self.set_duty(scale.duty(0.0));
         // From the preload to the comparator before the output is on.
         self.timer.egr().write(|w| w.ug().update());
-        self.timer.bdtr().modify(|_, w| w.moe().enabled());
+        // The monitor of the tick interrupts tasks; between read and write its trip would be undone.
+        cortex_m::interrupt::free(|_| self.timer.bdtr().modify(|_, w| w.moe().enabled()));
         self.lines.enable();
     }
 
@@ -103,7 +104,9 @@ impl<S: StageLines> PowerStage for PwmStage<S> {
 
 /// Clears the main output enable, from any code. Before the start of the stage it is clear, and this has no effect.
 pub(super) fn clear_main_output() {
-    // SAFETY: a store that only turns off; the owner never runs again, or turns on again as it would have.
+    // SAFETY: of the register only the output enable changes after the start, and its owner changes it with interrupts
+    // masked: what is written back here is what the owner has left. A non-maskable interrupt may come in between, and never
+    // returns to the owner.
     #[allow(unsafe_code)]
     let timer = unsafe { TIM1::steal() };
     timer.bdtr().modify(|_, w| w.moe().disabled_idle());

@@ -62,6 +62,11 @@ impl<L: LawSet> ControlLoop<L> {
             let fastest_rad_s = largest_move * rad_s_per_count;
             let given_by = "half the range of a reading over the control period";
             ParameterError::at_most(name, limit_rad_s, fastest_rad_s, given_by)?;
+            if let Some(hardware) = pins {
+                let counts = hardware.largest_counts_per_s as f32 * drive.period_s();
+                let given_by = "the filter of the encoder inputs";
+                ParameterError::at_most(name, limit_rad_s, counts * rad_s_per_count, given_by)?;
+            }
             longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
         }
         Ok(Self {

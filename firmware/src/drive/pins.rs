@@ -14,6 +14,8 @@ use crate::power_stage::PowerStageFault;
 pub struct PinHardware {
     /// Largest motion of an encoder in one period that its counter shows without ambiguity, in counts.
     pub largest_move_counts: u16,
+    /// Fastest motion of an encoder whose edges pass the filter of its inputs, in counts per second.
+    pub largest_counts_per_s: u32,
     /// Longest period of the tick, in us.
     pub longest_period_us: u32,
 }

@@ -116,10 +116,12 @@ fn hil_mode_arms_without_plausible_pins() {
 #[test]
 fn what_the_hardware_cannot_do_is_inconsistent_by_name() {
     use ParameterValue::{F32, U32};
-    let cases: [(&str, &[(&str, ParameterValue)]); 5] = [
+    let cases: [(&str, &[(&str, ParameterValue)]); 6] = [
         ("period_us", &[("period_us", U32(65_536))]),
         // 32,767 counts of 131,072 in 2 ms are 785 rad/s.
         ("motor_speed_limit_rad_s", &[("period_us", U32(2000))]),
+        // 32,767 counts in 0.25 ms are 131 million in a second; the filter passes 41 million, 1965 rad/s.
+        ("motor_speed_limit_rad_s", &[("period_us", U32(250)), ("motor_speed_limit_rad_s", F32(2000.0))]),
         ("torque_limit_nm", &[("torque_per_duty_nm", F32(200.0))]),
         ("duty_min", &[("duty_min", F32(0.6))]),
         ("duty_offset", &[("duty_max", F32(0.4))]),

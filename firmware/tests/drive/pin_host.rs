@@ -16,7 +16,8 @@ use crate::host::{HELLO, SESSION};
 
 pub const PERIOD: Duration = Duration::from_millis(1);
 /// Counters of 16 bits, and a timer of 16 bits that counts microseconds.
-pub const HARDWARE: PinHardware = PinHardware { largest_move_counts: 32_767, longest_period_us: 65_535 };
+pub const HARDWARE: PinHardware =
+    PinHardware { largest_move_counts: 32_767, largest_counts_per_s: 41_000_000, longest_period_us: 65_535 };
 
 pub const BENCH: [(&str, ParameterValue); 3] = [
     ("sample_source", ParameterValue::U32(1)),

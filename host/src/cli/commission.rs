@@ -111,7 +111,8 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "commission")?;
         let limits = self.limits(rig.as_ref())?;
-        let scenario = |more: &[String]| self.scenario(rig.as_ref(), &limits, more, bench);
+        let scenario =
+            |more: &[String]| self.scenario(rig.as_ref().map(|taken| &taken.rig), &limits, more, bench);
         let template = scenario(&[])?;
         let choice = match &rig {
             Some(taken) => {
@@ -194,7 +195,7 @@ impl Arguments {
             let offers = |name: &str| {
                 drive_train.drive.as_ref().is_some_and(|it| it.device.session.parameter(name).is_some())
             };
-            write_estimates(folder, &identified, offers)?;
+            write_estimates(folder, &identified, template.run.mode, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }
@@ -271,18 +272,23 @@ impl Arguments {
         Instruments { noise_counts, ..instruments(template, torque_per_duty_nm, delay_us) }
     }
 
+    /// The scenario of motions with these settings, on the line of the rig.
     fn scenario(
         &self,
-        rig: Option<&TakenRig>,
+        rig: Option<&Rig>,
         limits: &Limits,
         more: &[String],
         bench: &Bench,
     ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
-        let settings = self.overrides(limits, rig.map(|taken| &taken.rig), more);
-        match &self.scenario {
+        let settings = self.overrides(limits, rig, more);
+        let mut scenario = match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
+        }?;
+        if let Some(rig) = rig {
+            scenario.link.baud = rig.port.baud;
         }
+        Ok(scenario)
     }
 }
 
@@ -336,5 +342,30 @@ fn failed(error: CommissioningError<MotionError>) -> CliError {
         CommissioningError::Motion(MotionError::Rig(error)) => CliError::RigParameter(error),
         CommissioningError::Identify(error) => CliError::Identify(error),
         other => CliError::Commission(Box::new(other)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct CommandLine {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn the_drive_of_a_rig_is_opened_at_the_speed_of_its_port() {
+        let rig = "title = \"t\"\ncontact = \"c\"\nboard = \"b\"\n[port]\ndevice = \"rfc2217:rack:1\"\nbaud = 115200\n\
+                   [limits]\ntorque_nm = 5.0\nload_travel_rad = 4.0\n";
+        let rig = Rig::from_str("rig.toml", rig).unwrap_or_else(|errors| panic!("{errors}"));
+        let CommandLine { arguments } = CommandLine::parse_from(["commission"]);
+        let limits =
+            Limits { torque_nm: 5.0, motor_speed_rad_s: 90.0, load_speed_rad_s: 9.0, load_travel_rad: 4.0 };
+        let scenario = arguments.scenario(Some(&rig), &limits, &[], &Bench::new()).expect("a scenario");
+        assert_eq!(scenario.link.baud, 115_200);
     }
 }

@@ -177,7 +177,10 @@ impl CliError {
 fn flash_exit(error: &FlashError) -> Exit {
     match error {
         error if error.is_interruption() => Exit::Invalid,
-        FlashError::OtherBuild { .. } | FlashError::OtherBoard { .. } | FlashError::NoBuild(_) => Exit::Fail,
+        FlashError::OtherBuild { .. }
+        | FlashError::OtherBoard { .. }
+        | FlashError::SameBuild { .. }
+        | FlashError::NoBuild(_) => Exit::Fail,
         FlashError::Image(_)
         | FlashError::NoImage(_)
         | FlashError::NoBoard(_)
@@ -186,6 +189,7 @@ fn flash_exit(error: &FlashError) -> Exit {
         | FlashError::Ports(_) => Exit::UsageOrScenario,
         FlashError::NoWay(_)
         | FlashError::Unreached(_)
+        | FlashError::AnotherChip { .. }
         | FlashError::Writing { .. }
         | FlashError::Different { .. }
         | FlashError::File { .. }

@@ -1,5 +1,6 @@
 //! `lashloop experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
 
+use std::fs;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
@@ -12,19 +13,22 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_plant::Plants;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::{RunSource, command_line, working_directory};
 use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::{
     BeforeAfter, COMPARISON, Compared, Experiment, Run, comparison_figures, comparison_table, file_name, page,
 };
+use toml_edit::DocumentMut;
 
 use super::error::{CliError, system};
 use super::history::run_for_figure;
-use super::options::{RigOption, TakenRig};
+use super::options::{RigOption, TakenRig, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
-use super::paper_scenarios::BENCH_SCENARIOS;
+use super::paper_scenarios::{BENCH_SCENARIOS, Source};
 use super::supervision::start_supervisor;
+use crate::rig::Rig;
 use crate::rig::check::check_board;
 
 const INDEX: &str = "index.html";
@@ -42,6 +46,14 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     rig: RigOption,
+
+    /// Plant and encoders of the bench in place of the paper's, for both runs: the plant.toml of `commission` or `identify`
+    #[arg(long, value_name = "plant.toml")]
+    plant: Option<PathBuf>,
+
+    /// Value in place of each scenario's, for both runs, such as controller.parameters.reduction_ratio=4; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
 
     /// Folder for the figures, index.html and a record of each run
     #[arg(long, default_value = "out/experiment", value_name = "DIR")]
@@ -66,7 +78,10 @@ impl Arguments {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
         let (mut worst, mut compared, mut drive) = (Verdict::Pass, Vec::new(), String::new());
-        let scenarios = BENCH_SCENARIOS.map(|(name, text)| scenarios(name, text, rig.as_ref()));
+        let plant = self.plant.as_deref().map(plant_settings).transpose()?.unwrap_or_default();
+        let settings: Vec<_> = plant.into_iter().chain(self.set.iter().cloned()).collect();
+        let of_rig = rig.as_ref().map(|taken| &taken.rig);
+        let scenarios = BENCH_SCENARIOS.map(|source| scenarios(source, of_rig, &settings, &plants(bench)));
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
             let recorder = self.recorder(name, "experiment")?;
@@ -113,12 +128,41 @@ impl Arguments {
             write_file(&self.out.join(file_name(*number)), &figure.to_svg())?;
         }
         let version = env!("CARGO_PKG_VERSION");
-        let source = format!("Drawn by lashloop {version}; experiment on {drive}, simulation in process.");
+        let plant = self.plant.as_ref().map_or(String::new(), |file| format!(" of {}", file.display()));
+        let source =
+            format!("Drawn by lashloop {version}; experiment on {drive}, simulation{plant} in process.");
         let index = self.out.join(INDEX);
         write_file(&index, &page(&COMPARISON, &figures, &[table], &source))?;
         outln!("\nfigures: {}", index.display());
         Ok(())
     }
+}
+
+/// Key that a plant has in HIL mode only.
+const TORQUE_DELAY: &str = "plant.torque_delay_us=";
+
+/// The plant of a file as settings of a scenario. What the file leaves out has its default.
+fn plant_settings(file: &Path) -> Result<Vec<String>, CliError> {
+    let input = |source| CliError::Input { path: file.to_owned(), source };
+    let text = fs::read_to_string(file).map_err(input)?;
+    let invalid = |problem: String| input(io::Error::other(problem));
+    let document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| invalid(error.message().to_owned()))?;
+    let mut settings = vec!["plant={}".to_owned()];
+    for (section, keys) in document.iter() {
+        let keys = keys.as_table().filter(|_| ["plant", "encoders"].contains(&section));
+        let keys =
+            keys.ok_or_else(|| invalid(format!("it has {section}; [plant] and [encoders] are taken")))?;
+        for (key, value) in keys {
+            let mut value = value
+                .as_value()
+                .cloned()
+                .ok_or_else(|| invalid(format!("{section}.{key} is a section; give its keys by --set")))?;
+            value.decor_mut().clear();
+            settings.push(format!("{section}.{key}={value}"));
+        }
+    }
+    Ok(settings)
 }
 
 /// A scenario in both modes.
@@ -128,17 +172,30 @@ struct Both {
     of_hil: Scenario,
 }
 
-/// A scenario in both modes. Its limits become those of the rig, as far as they exceed them.
-fn scenarios(name: &'static str, text: &str, rig: Option<&TakenRig>) -> Result<Both, CliError> {
-    let mut of_bench = Scenario::from_str(name, text, &[])?;
-    let mut of_hil = Scenario::from_str(name, text, &[Override::Mode("hil".to_owned())])?;
-    if let Some(TakenRig { rig, .. }) = rig {
+/// A scenario in both modes. Its limits become those of the rig, as far as they exceed them, and its encoders those of the rig.
+fn scenarios(
+    (name, text): Source,
+    rig: Option<&Rig>,
+    settings: &[String],
+    plants: &Plants,
+) -> Result<Both, CliError> {
+    let settings = |mode: &str| {
+        // At the pins the torque has the delay of the drive itself.
+        let is_of_mode = |it: &&String| mode == "hil" || !it.starts_with(TORQUE_DELAY);
+        let settings = settings.iter().filter(is_of_mode).cloned().map(Override::Set);
+        settings.chain([Override::Mode(mode.to_owned())]).collect::<Vec<_>>()
+    };
+    let mut of_bench = Scenario::from_str_with(name, text, &settings("bench"), plants)?;
+    let mut of_hil = Scenario::from_str_with(name, text, &settings("hil"), plants)?;
+    if let Some(rig) = rig {
         for reduced in rig.limits.reduce(&mut of_bench) {
             error_line(format_args!("lashloop: warning: {name}: {reduced}"));
         }
         let _ = rig.limits.reduce(&mut of_hil);
         rig.allows(&of_bench)?;
         of_bench.link.baud = rig.port.baud;
+        rig.equip(&mut of_bench);
+        of_hil.encoders = of_bench.encoders.clone();
     }
     Ok(Both { name, of_bench, of_hil })
 }
@@ -201,5 +258,44 @@ fn wait_for_start(scenario: &Scenario) -> Result<(), CliError> {
         Ok(0) => Err(CliError::Unconfirmed),
         Ok(_) => Ok(()),
         Err(source) => Err(CliError::System { what: "read the confirmation", source }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_simulation_has_the_encoders_of_the_rig_and_the_plant_of_the_file() {
+        let rig = "title = \"t\"\ncontact = \"c\"\nboard = \"b\"\n[port]\ndevice = \"tcp:rack:1\"\n[limits]\n\
+                   torque_nm = 25.0\nload_travel_rad = 4.0\n[encoders]\nmotor_counts_per_rev = 8192\n\
+                   [power_stage]\ntorque_per_duty_nm = 62.5\n";
+        let rig = Rig::from_str("rig.toml", rig).unwrap_or_else(|errors| panic!("{errors}"));
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        let plant = "[plant]\nmodel = \"backlash-shaft\"\ndead_zone_rad = 0.2 # 0.1 to 0.3 rad\ntorque_delay_us = 75\n\
+                     [encoders]\nload_counts_per_rev = 20000\n";
+        fs::write(file.path(), plant).expect("a plant");
+        let mut settings = plant_settings(file.path()).expect("settings");
+        settings.push("meant=[\"start\", \"mismatch\", \"large-angle\"]".to_owned());
+        let plants = plants(&Bench::new());
+        for source in BENCH_SCENARIOS {
+            let Both { of_bench, of_hil, .. } = scenarios(source, Some(&rig), &settings, &plants)
+                .unwrap_or_else(|error| panic!("{}: {error}", source.0));
+            for scenario in [&of_bench, &of_hil] {
+                assert_eq!(scenario.plant.model.name(), "backlash-shaft", "{}", source.0);
+                assert_eq!(scenario.plant.number("dead_zone_rad"), Some(0.2), "{}", source.0);
+                let encoders = &scenario.encoders;
+                assert_eq!((encoders.motor_counts_per_rev, encoders.load_counts_per_rev), (8192, 20_000));
+            }
+            assert_eq!(of_hil.plant.torque_delay_us(), 75);
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_no_plant_names_what_it_has() {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        fs::write(file.path(), "[controller]\nname = \"pd\"\n").expect("a file");
+        let error = plant_settings(file.path()).expect_err("no plant").to_string();
+        assert!(error.contains("it has controller; [plant] and [encoders] are taken"), "{error}");
     }
 }

@@ -1,8 +1,8 @@
 //! `lashloop flash`: firmware onto a drive, confirmed by the drive itself.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use std::{fmt, io, thread};
+use std::{fmt, thread};
 
 use clap::Args;
 use lashloop_bench::device::{Build, Device, DeviceChoice, find_image_for_board, open_terminal};
@@ -10,7 +10,7 @@ use lashloop_bench::session::printable;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::options::{BaudOption, RigOption};
 use super::output::outln;
 use super::supervision::start_supervisor;
@@ -20,6 +20,7 @@ use crate::flash::program::Runner;
 use crate::flash::{FlashError, Image, Target, Way, confirmation, way, writer};
 use crate::ports;
 use crate::rig::file::Loader;
+use crate::rig::lock::RigLock;
 
 /// Write firmware to a drive, and confirm it by the drive's own report
 ///
@@ -73,6 +74,10 @@ impl Arguments {
         }
         let baud = rig.map_or(self.line.baud, |rig| rig.port.baud);
         let Loader { via, chip, probe, port } = rig.map(|rig| rig.loader.clone()).unwrap_or_default();
+        let _lock = match (&rig, &device) {
+            (None, Some(device)) => Some(RigLock::take(&device.to_string(), "lashloop flash")?),
+            _ => None,
+        };
         let terminal = || device.as_ref()?.terminal().map(PathBuf::from);
         let loader_port = self.loader_port.or(port);
         let has_loader_port = loader_port.is_some();
@@ -97,21 +102,39 @@ impl Arguments {
         let runner = Runner { interrupted: &interrupted };
         print_image(&image, &expected);
         let via = self.via.or(via);
-        let known_drive = Known { image: &image, expected: &expected, has_rig: rig.is_some() };
-        let way = writer::find(via, &target, &runner).or_else(|none| {
-            // Without a program for its boot loader the drive would be lost to its host.
-            let drive = device.as_ref().filter(|_| way::reaches_loader(via, has_loader_port));
-            let drive = drive.and_then(|drive| Device::open(drive, baud, &supervisor).ok());
-            let Some(drive) = drive else { return Err(none) };
-            known_drive.check(&drive)?;
-            if enter_loader(drive) { find_loader(via, &target, &runner) } else { Err(none) }
-        })?;
+        let only_port = match &known[..] {
+            [port] if device.is_none() => Some(drive_at(port, bench)?),
+            _ => None,
+        };
+        let drive = device.clone().or(only_port);
+        let has_rig = rig.is_some();
+        let known_drive =
+            Known { image: &image, expected: &expected, has_rig, drive, baud, supervisor: &supervisor };
+        let way = match writer::find(via, &target, &runner) {
+            Ok(way) => {
+                known_drive.check_chip(way, &target)?;
+                way
+            }
+            Err(none) => {
+                // Without a program for its boot loader the drive would be lost to its host.
+                let is_reached = device.is_some() && way::reaches_loader(via, has_loader_port);
+                let Some(drive) = is_reached.then(|| known_drive.open()).flatten() else {
+                    return Err(none.into());
+                };
+                known_drive.check(&drive)?;
+                if !enter_loader(drive) {
+                    return Err(none.into());
+                }
+                find_loader(via, &target, &runner)?
+            }
+        };
         outln!("way        {}: {}", way.name(), way.meaning());
+        let mut before = None;
         if way == Way::Probe {
-            let is_disarmed = known_drive.disarm(device.as_ref(), baud, &supervisor)?;
+            before = known_drive.disarm()?;
             // A probe that was found may be on another board, whose motor turns: the reset stops that one.
             let is_named = self.via == Some(Way::Probe) || target.probe.is_some();
-            target.under_reset = !(is_disarmed && is_named);
+            target.under_reset = !(before.is_some() && is_named);
         }
         let began = Instant::now();
         writer::write(way, &image, &target, &runner)?;
@@ -121,7 +144,7 @@ impl Arguments {
             Some(device) => device,
             None => new_port(bench, &known, &supervisor)?,
         };
-        let confirmed = confirmation::confirm(way, &expected, &device, baud, &supervisor)?;
+        let confirmed = confirmation::confirm(way, &expected, before, &device, baud, &supervisor)?;
         drop(signals);
         print_drive(&confirmed);
         Ok(Exit::Pass)
@@ -145,9 +168,18 @@ struct Known<'a> {
     expected: &'a Expected,
     /// The board of a rig file counts, and a drive with another one has the wrong image.
     has_rig: bool,
+    /// Where the drive would be.
+    drive: Option<DeviceChoice>,
+    baud: u32,
+    supervisor: &'a Supervisor,
 }
 
 impl Known<'_> {
+    /// The drive, if one answers.
+    fn open(&self) -> Option<Device> {
+        Device::open(self.drive.as_ref()?, self.baud, self.supervisor).ok()
+    }
+
     /// Rejects a drive on another board than that of the image.
     fn check(&self, drive: &Device) -> Result<(), FlashError> {
         let board = drive.session.identity.board;
@@ -158,29 +190,34 @@ impl Known<'_> {
         Err(other_board(self.image, self.expected, of, board.as_str(), true))
     }
 
-    /// Disarms a drive by a handshake before a probe halts its core. Returns whether one has answered.
-    fn disarm(
-        &self,
-        device: Option<&DeviceChoice>,
-        baud: u32,
-        supervisor: &Supervisor,
-    ) -> Result<bool, FlashError> {
-        let drive = device.map(|device| Device::open(device, baud, supervisor));
-        match (&drive, device) {
-            (Some(Ok(drive)), _) => {
-                self.check(drive)?;
-                outln!("before     {}, disarmed", drive.description());
+    /// Rejects a chip in its boot loader while the drive answers elsewhere: that is another chip. A loader at the drive's own
+    /// terminal needs no request, which would spoil its measurement of the speed.
+    fn check_chip(&self, way: Way, target: &Target) -> Result<(), FlashError> {
+        let path = |path: Option<&Path>| path.and_then(|path| path.canonicalize().ok());
+        let terminal = || path(self.drive.as_ref().and_then(DeviceChoice::terminal));
+        let is_elsewhere = match way {
+            Way::Probe => false,
+            Way::Dfu => true,
+            Way::Uart => path(target.loader_port.as_deref()) != terminal(),
+        };
+        let Some(drive) = is_elsewhere.then(|| self.open()).flatten() else { return Ok(()) };
+        self.check(&drive)?;
+        Err(FlashError::AnotherChip { way, device: drive.connection.choice.to_string() })
+    }
+
+    /// Disarms a drive by a handshake before a probe halts its core. Returns the build of one that has answered.
+    fn disarm(&self) -> Result<Option<Build>, FlashError> {
+        const UNDER_RESET: &str = "the probe connects under reset, which needs NRST";
+        let Some(drive) = self.open() else {
+            match &self.drive {
+                Some(device) => outln!("before     no drive answers on {device}: {UNDER_RESET}"),
+                None => outln!("before     no --device to disarm: {UNDER_RESET}"),
             }
-            (_, Some(device)) => {
-                outln!(
-                    "before     no drive answers on {device}: the probe connects under reset, which needs NRST"
-                );
-            }
-            (_, None) => {
-                outln!("before     no --device to disarm: the probe connects under reset, which needs NRST");
-            }
-        }
-        Ok(matches!(drive, Some(Ok(_))))
+            return Ok(None);
+        };
+        self.check(&drive)?;
+        outln!("before     {}, disarmed", drive.description());
+        Ok(Some(Build::of(&drive.session.identity)))
     }
 }
 
@@ -241,15 +278,16 @@ fn new_port(bench: &Bench, known: &[PathBuf], supervisor: &Supervisor) -> Result
             _ => None,
         });
         if let Some(port) = new {
-            let name = port.display().to_string();
-            return DeviceChoice::parse(&name, &bench.devices()).map_err(|problem| CliError::System {
-                what: "name the drive's port",
-                source: io::Error::other(problem),
-            });
+            return drive_at(port, bench);
         }
         if Instant::now() >= deadline || supervisor.interrupted() {
             return Err(FlashError::Ports(present.len()).into());
         }
         thread::sleep(Duration::from_millis(100));
     }
+}
+
+fn drive_at(port: &Path, bench: &Bench) -> Result<DeviceChoice, CliError> {
+    let name = port.display().to_string();
+    DeviceChoice::parse(&name, &bench.devices()).map_err(system("name the drive's port"))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
 use lashloop_plant::Mechanics;
@@ -23,7 +23,7 @@ use crate::identify::files::{
     DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
 };
 use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
-use crate::identify::record::series;
+use crate::identify::record::{directions_in_force, series};
 
 /// Estimate a drive train from records, with 95 % intervals
 ///
@@ -76,10 +76,19 @@ impl Arguments {
             "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
              {torque_delay_us} us\n"
         );
-        let mut motions = Vec::new();
+        let (mut motions, mut mode) = (Vec::new(), RunMode::Bench);
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
-            motions.push(series(&record.trace.columns, &instruments).map_err(unfit)?);
+            let of_record = record.manifest.as_ref().map_or(RunMode::Hil, |it| it.mode);
+            let choice = |name: &str| {
+                let parameters = &record.manifest.as_ref()?.parameters;
+                parameters.iter().find(|it| it.name == name)?.choice.clone()
+            };
+            let in_force = directions_in_force(of_record, choice);
+            motions.push(series(&record.trace.columns, &instruments, in_force).map_err(unfit)?);
+            if of_record.is_hil() {
+                mode = of_record;
+            }
         }
         let start = match (&self.start, &of_record) {
             (Some(file), _) => start(file, bench)?,
@@ -90,7 +99,7 @@ impl Arguments {
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
-            write_estimates(folder, &identified, |_| true)?;
+            write_estimates(folder, &identified, mode, |_| true)?;
         }
         Ok(Exit::Pass)
     }
@@ -149,10 +158,11 @@ fn scenario(folder: &Path, record: &Record, bench: &Bench) -> Result<Scenario, S
 pub(super) fn write_estimates(
     folder: &Path,
     identified: &Identified,
+    mode: RunMode,
     offers: impl Fn(&str) -> bool,
 ) -> Result<(), CliError> {
     write_file(&folder.join(PLANT_FILE), &plant_toml(identified))?;
-    write_file(&folder.join(DRIVE_FILE), &drive_toml(identified, offers))?;
+    write_file(&folder.join(DRIVE_FILE), &drive_toml(identified, mode, offers))?;
     write_whole(&folder.join(ESTIMATES_FILE), ".estimates-", |file| {
         serde_json::to_writer_pretty(&mut *file, identified)?;
         file.write_all(b"\n")

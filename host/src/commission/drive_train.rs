@@ -16,7 +16,7 @@ use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
-use crate::identify::record::{NoSeries, counts, series};
+use crate::identify::record::{NoSeries, counts, directions_in_force, series};
 use crate::rig::Rig;
 use crate::rig::check::check_board;
 use crate::rig::drive_settings::MissingParameter;
@@ -102,9 +102,6 @@ impl DriveTrain for OnDevice<'_> {
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let mut scenario = (self.scenario)(&settings)?;
         scenario::explain_twist(&mut scenario, motion.twist_rad);
-        if let Some(rig) = self.rig {
-            scenario.link.baud = rig.port.baud;
-        }
         let mut device = self.take_drive(&scenario)?;
         if let Some(rig) = self.rig {
             check_board(rig, &device.device).map_err(RunError::from)?;
@@ -135,7 +132,13 @@ impl DriveTrain for OnDevice<'_> {
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
         }
-        let series = series(&columns, &self.instruments)
+        let session = &device.device.session;
+        let choice = |name: &str| {
+            let parameter = session.parameter(name)?;
+            parameter.choice(session.in_force(parameter)).map(str::to_owned)
+        };
+        let in_force = directions_in_force(scenario.run.mode, choice);
+        let series = series(&columns, &self.instruments, in_force)
             .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
         Ok(Some(Made { series, halt, peaks: guard.peaks() }))
     }

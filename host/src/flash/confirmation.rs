@@ -32,31 +32,39 @@ impl Expected {
             board: board.clone().ok_or_else(|| FlashError::NoBoard(path.clone()))?,
         })
     }
+
+    /// Whether a drive that reports this runs the image. All builds with changes of a commit have one id: such a drive that
+    /// reported it before may never have been reached.
+    fn judge(&self, drive: Build, board: &str, before: Option<Build>) -> Result<(), FlashError> {
+        if drive != self.build {
+            return Err(FlashError::OtherBuild { drive, image: self.build });
+        }
+        if board != self.board {
+            return Err(FlashError::OtherBoard { drive: board.to_owned(), image: self.board.clone() });
+        }
+        if drive.is_dirty && before == Some(drive) {
+            return Err(FlashError::SameBuild { drive });
+        }
+        Ok(())
+    }
 }
 
-/// Waits for the drive and compares what it reports.
+/// Waits for the drive and compares what it reports. `before` is the build that it reported before, unless it has entered its
+/// boot loader since.
 ///
 /// # Errors
-/// No drive completes the handshake in time, or it reports another build or board.
+/// No drive completes the handshake in time, or it reports another build or board, or one that it reported before.
 pub fn confirm(
     way: Way,
     expected: &Expected,
+    before: Option<Build>,
     choice: &DeviceChoice,
     baud: u32,
     supervisor: &Supervisor,
 ) -> Result<Device, FlashError> {
     let device = wait(choice, baud, supervisor).map_err(|source| FlashError::Silent { way, source })?;
     let identity = &device.session.identity;
-    let (drive, Expected { build, board }) = (Build::of(identity), expected);
-    if drive != *build {
-        return Err(FlashError::OtherBuild { drive, image: *build });
-    }
-    if identity.board.as_str() != board {
-        return Err(FlashError::OtherBoard {
-            drive: identity.board.as_str().to_owned(),
-            image: board.clone(),
-        });
-    }
+    expected.judge(Build::of(identity), identity.board.as_str(), before)?;
     Ok(device)
 }
 
@@ -69,5 +77,27 @@ fn wait(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Dev
             Err(_) => thread::sleep(INTERVAL),
             opened => return opened,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroU32;
+
+    use super::*;
+
+    #[test]
+    fn a_build_with_changes_that_the_drive_reported_before_confirms_nothing() {
+        let build = |id, is_dirty| Build { commit: NonZeroU32::new(id), is_dirty };
+        let judge = |image, before| {
+            Expected { build: image, board: "stm32f405".to_owned() }.judge(image, "stm32f405", before)
+        };
+        let changed = build(7, true);
+        assert!(matches!(judge(changed, Some(changed)), Err(FlashError::SameBuild { .. })));
+        for before in [None, Some(build(7, false)), Some(build(8, true))] {
+            assert!(judge(changed, before).is_ok(), "{before:?}");
+        }
+        // One commit without changes is one image.
+        assert!(judge(build(7, false), Some(build(7, false))).is_ok());
     }
 }

@@ -66,6 +66,13 @@ pub enum FlashError {
         listed(.0)
     )]
     Unreached(Vec<(Way, String)>),
+    /// A chip is in its boot loader while the drive answers. Nothing was written.
+    #[error(
+        "nothing is written: the drive on {device} answers, so the chip that {} finds in its boot loader is another one: reset or \
+         disconnect that board and call again, or name the port of that chip by --device",
+        way.program()
+    )]
+    AnotherChip { way: Way, device: String },
     /// A program failed after it had been started to write.
     #[error("not flashed: {source}; {}", way.recovery())]
     Writing { way: Way, source: ProgramError },
@@ -100,6 +107,12 @@ pub enum FlashError {
         printable(image)
     )]
     OtherBoard { drive: String, image: String },
+    /// The drive reports what it reported before, and that names no single image.
+    #[error(
+        "written and compared, but not confirmed: the drive reported {drive} before too, and all builds with changes of a commit \
+         have its id: commit, build and flash again, or flash by dfu or uart, for which the drive itself enters its boot loader"
+    )]
+    SameBuild { drive: Build },
     /// Which port the drive is at, is not clear.
     #[error(
         "{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop ports` lists them"

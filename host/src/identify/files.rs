@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use lashloop_bench::scenario::RunMode;
 use lashloop_identify::{Direction, Estimate, Identified, Quantity};
 use lashloop_plant::backlash_shaft;
 
@@ -100,9 +101,10 @@ fn encoders(identified: &Identified, heading: &str) -> String {
     )
 }
 
-/// The parameters of a drive that are estimated, as far as `offers` has their names.
+/// The parameters of a drive that are estimated, as far as `offers` has their names. Motions in HIL mode show nothing of the
+/// encoders at the pins, so it has no directions then.
 #[must_use]
-pub fn drive_toml(identified: &Identified, offers: impl Fn(&str) -> bool) -> String {
+pub fn drive_toml(identified: &Identified, mode: RunMode, offers: impl Fn(&str) -> bool) -> String {
     let mut text = "# Estimates of `lashloop`, for `lashloop parameters restore`.\n".to_owned();
     let mut line = |name: &str, value: String, remark: &str| {
         let prefix = if offers(name) { "" } else { "# the drive lacks it: " };
@@ -121,7 +123,9 @@ pub fn drive_toml(identified: &Identified, offers: impl Fn(&str) -> bool) -> Str
             Some(Direction::Reverse) => "\"reverse\"",
             None => continue,
         };
-        line(name, word.to_owned(), "as counted in these motions");
+        if !mode.is_hil() {
+            line(name, word.to_owned(), "as the encoder is wired");
+        }
     }
     text + &encoders(identified, "")
 }

@@ -6,7 +6,8 @@
 use std::f64::consts::TAU;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_identify::{Instruments, Series, SeriesError};
+use lashloop_bench::scenario::RunMode;
+use lashloop_identify::{Direction, Instruments, Series, SeriesError};
 use lashloop_record::columns::Columns;
 
 /// Far below a count, and far above the rounding of a position that is a whole number of counts.
@@ -29,11 +30,26 @@ pub fn counts(position_rad: f64, counts_per_rev: u32) -> i64 {
     (position_rad * f64::from(counts_per_rev) / TAU + ROUNDING_COUNTS).floor() as i64
 }
 
-/// The series of a record.
+/// Directions of motor and load that a drive had in force in a run: its reports have them applied. `choice` is the choice in
+/// force of a parameter. In HIL mode the counts are those of the bench, and no direction applies.
+#[must_use]
+pub fn directions_in_force(mode: RunMode, choice: impl Fn(&str) -> Option<String>) -> [Direction; 2] {
+    ["motor_direction", "load_direction"].map(|name| {
+        let is_reversed = !mode.is_hil() && choice(name).as_deref() == Some("reverse");
+        if is_reversed { Direction::Reverse } else { Direction::Forward }
+    })
+}
+
+/// The series of a record, in counts as the encoders are wired: what they show is a setting of the drive, whatever it had in
+/// force.
 ///
 /// # Errors
 /// A column is missing, or the series is too short.
-pub fn series(columns: &Columns, instruments: &Instruments) -> Result<Series, NoSeries> {
+pub fn series(
+    columns: &Columns,
+    instruments: &Instruments,
+    in_force: [Direction; 2],
+) -> Result<Series, NoSeries> {
     let column = |name: &str| {
         let known = || columns.signals().iter().map(|signal| &*signal.name);
         columns.get(name).ok_or_else(|| UnknownName::new("the record", "column", name, known()))
@@ -41,13 +57,15 @@ pub fn series(columns: &Columns, instruments: &Instruments) -> Result<Series, No
     let time_s = column("time_s")?;
     let elapsed_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
     let period_us = 1e6 * elapsed_s / time_s.len().saturating_sub(1).max(1) as f64;
-    let read = |name, counts_per_rev| -> Result<Vec<i64>, NoSeries> {
-        Ok(column(name)?.iter().map(|&position_rad| counts(position_rad, counts_per_rev)).collect())
+    let read = |name, counts_per_rev, in_force: Direction| -> Result<Vec<i64>, NoSeries> {
+        let wired = |&position_rad: &f64| in_force.sign() * counts(position_rad, counts_per_rev);
+        Ok(column(name)?.iter().map(wired).collect())
     };
+    let [motor, load] = in_force;
     Ok(Series::new(
         period_us.round() as u32,
         column("torque_nm")?.to_vec(),
-        read("motor_position_rad", instruments.motor_counts_per_rev)?,
-        read("load_position_rad", instruments.load_counts_per_rev)?,
+        read("motor_position_rad", instruments.motor_counts_per_rev, motor)?,
+        read("load_position_rad", instruments.load_counts_per_rev, load)?,
     )?)
 }

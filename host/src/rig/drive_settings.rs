@@ -1,10 +1,11 @@
 //! What a rig sets on its drive, as parameters of the scenario: limits, encoders and power stage.
 //!
-//! A drive offers the parameters that its pins need. A drive without pins lacks them: in HIL mode nothing is set, in bench mode
-//! that is an error.
+//! A drive offers the parameters that its pins need. A drive without pins lacks them: in bench mode that is an error. HIL mode
+//! uses no pins, so none is set there.
 
+use lashloop_bench::scenario::bench::key_of_pin;
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
-use lashloop_bench::scenario::{Origin, RunMode, Scenario};
+use lashloop_bench::scenario::{Origin, Scenario};
 use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue as WireValue;
 
@@ -92,8 +93,8 @@ impl Rig {
     }
 
     /// Completes a scenario that keeps the limits: a limit that it leaves to the drive becomes the smaller of the drive's
-    /// default and the limit of the rig, and a drive with pins gets their settings. [`equip`](Self::equip) is part of it.
-    /// `parameters` are those of the drive.
+    /// default and the limit of the rig, and in bench mode the pins get the settings of the rig. [`equip`](Self::equip) is part
+    /// of it. `parameters` are those of the drive.
     ///
     /// # Errors
     /// The drive lacks the parameter of a limit, or in bench mode that of a pin.
@@ -107,28 +108,24 @@ impl Rig {
         let mode = scenario.run.mode;
         // A key that the rig file lacks leaves the drive's default, not the amplifier or the encoders of the scenario.
         scenario.bench.parameters.retain(|it| !OF_PINS.contains(&&*it.name));
-        let of_bench: &[ParameterSetting] = if mode.is_hil() { &[] } else { &scenario.bench.parameters };
-        let settings = &mut scenario.controller.parameters;
-        let is_set = |settings: &[ParameterSetting], name: &str| {
-            settings.iter().chain(of_bench).any(|it| it.name == name)
-        };
         let find = |name: &str| parameters.iter().find(|parameter| parameter.name == name);
+        let mut set = |name: &str, value, is_of_pins: bool| {
+            let of =
+                if is_of_pins { &mut scenario.bench.parameters } else { &mut scenario.controller.parameters };
+            if !of.iter().any(|it| it.name == name) {
+                of.push(ParameterSetting { name: name.to_owned(), value, origin: origin.clone() });
+            }
+        };
         for limit in self.limits.of_drive(mode) {
             let missing = MissingParameter { parameter: limit.parameter, key: limit.key };
             let default = number(find(limit.parameter).ok_or(missing)?.default);
-            if !is_set(settings, limit.parameter) {
-                let value = ParameterValue::Number(limit.largest.min(default));
-                let (name, origin) = (limit.parameter.to_owned(), origin.clone());
-                settings.push(ParameterSetting { name, value, origin });
-            }
+            let value = ParameterValue::Number(limit.largest.min(default));
+            set(limit.parameter, value, key_of_pin(limit.parameter).is_some());
         }
-        for PinSetting { key, parameter, value } in self.pins() {
-            if find(parameter).is_some() {
-                settings.retain(|setting| setting.name != parameter);
-                settings.push(ParameterSetting { name: parameter.to_owned(), value, origin: origin.clone() });
-            } else if mode == RunMode::Bench {
-                return Err(MissingParameter { parameter, key });
-            }
+        let pins = if mode.is_hil() { Vec::new() } else { self.pins() };
+        for PinSetting { key, parameter, value } in pins {
+            find(parameter).ok_or(MissingParameter { parameter, key })?;
+            set(parameter, value, true);
         }
         Ok(())
     }
@@ -212,12 +209,20 @@ mod tests {
     }
 
     #[test]
-    fn pins_are_set_on_a_drive_that_has_them_only() {
-        let limit = parameter("torque_limit_nm", 3.0);
-        assert_eq!(completed(&[], std::slice::from_ref(&limit)).len(), 1);
-        let with_pins = completed(&[], &[limit, parameter("motor_direction", 0.0)]);
-        let direction = ParameterValue::Text("reverse".to_owned());
-        assert_eq!(with_pins[1], ("motor_direction".to_owned(), direction));
+    fn the_settings_of_the_pins_are_those_of_the_rig_in_bench_mode_only() {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+        let drive = ["torque_limit_nm", "watchdog_us", "twist_limit_rad", "motor_direction"];
+        for (mode, want) in [("bench", Some("reverse")), ("hil", None)] {
+            let own = [&*format!("run.mode={mode}"), "bench.motor_direction=forward"];
+            let mut scenario = crate::Bench::new().scenario(&path, &own).expect("a scenario");
+            rig()
+                .complete(&mut scenario, &drive.map(|name| parameter(name, 3.0)))
+                .expect("a drive with pins");
+            let of_pins = scenario.bench.parameters.iter().find(|it| it.name == "motor_direction");
+            let want = want.map(|name| ParameterValue::Text(name.to_owned()));
+            assert_eq!(of_pins.map(|it| it.value.clone()), want, "{mode}");
+        }
     }
 
     #[test]
@@ -258,7 +263,10 @@ mod tests {
         let names = ["torque_limit_nm", "watchdog_us", "twist_limit_rad", "motor_direction"];
         rig().complete(&mut scenario, &names.map(|name| parameter(name, 3.0))).expect("a drive with pins");
         let of_bench: Vec<_> = scenario.bench.parameters.iter().map(|it| it.name.as_str()).collect();
-        assert!(!of_bench.iter().any(|name| OF_PINS.contains(name)), "{of_bench:?}");
+        assert!(
+            !of_bench.iter().any(|name| ["duty_offset", "load_direction"].contains(name)),
+            "{of_bench:?}"
+        );
         assert!(of_bench.contains(&"twist_limit_rad"), "a limit within the rig's is kept: {of_bench:?}");
     }
 

@@ -3,6 +3,7 @@
 //! The terminal itself is opened exclusively. That isn't enough: flashing closes it, an unplugged adapter has none, and the
 //! second program should learn who uses the rig. The kernel releases the lock with the process, however it ends.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
 use std::io::{self, Read, Seek, Write};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -38,12 +39,18 @@ pub enum LockError {
 /// A rig that this process uses. Dropping it releases the rig.
 #[derive(Debug)]
 pub struct RigLock {
+    _files: Vec<LockedFile>,
+}
+
+#[derive(Debug)]
+struct LockedFile {
     file: File,
     path: PathBuf,
 }
 
 impl RigLock {
-    /// Locks the rig with this device. `purpose` is what the program does, for the message of the next one.
+    /// Locks the rig with this device: under its name, which stays while the port of a chip in its boot loader is gone, and
+    /// under that of the terminal that it now points to, which has several names. `purpose` is what the program does, for the message of the next one.
     ///
     /// # Errors
     /// Another program holds the lock, or the system refused.
@@ -52,10 +59,19 @@ impl RigLock {
     }
 
     fn take_in(folder: &Path, device: &str, purpose: &str) -> Result<Self, LockError> {
-        let path = folder.join(file_name(device));
-        let failed = |source| LockError::System { path: path.clone(), source };
+        let terminal = Path::new(device).canonicalize().ok();
+        let terminal = terminal.map(|path| path.display().to_string());
+        let names: BTreeSet<_> = terminal.into_iter().chain([device.to_owned()]).collect();
+        let lock = |name: String| LockedFile::take(&folder.join(file_name(&name)), device, purpose);
+        Ok(Self { _files: names.into_iter().map(lock).collect::<Result<_, _>>()? })
+    }
+}
+
+impl LockedFile {
+    fn take(path: &Path, device: &str, purpose: &str) -> Result<Self, LockError> {
+        let failed = |source| LockError::System { path: path.to_owned(), source };
         loop {
-            let mut file = open(&path).map_err(failed)?;
+            let mut file = open(path).map_err(failed)?;
             match flock(&file, FlockOperation::NonBlockingLockExclusive) {
                 Ok(()) => {}
                 Err(rustix::io::Errno::WOULDBLOCK) => {
@@ -64,15 +80,15 @@ impl RigLock {
                 Err(error) => return Err(failed(error.into())),
             }
             // The holder before us may have removed the file between our opening and our lock.
-            if is_at(&file, &path) {
+            if is_at(&file, path) {
                 write(&mut file, purpose).map_err(failed)?;
-                return Ok(Self { file, path });
+                return Ok(Self { file, path: path.to_owned() });
             }
         }
     }
 }
 
-impl Drop for RigLock {
+impl Drop for LockedFile {
     fn drop(&mut self) {
         // Under the lock. In a folder with the sticky bit only the owner of a file may remove it; an empty file does no harm.
         let _ = self.file.set_len(0);
@@ -157,6 +173,25 @@ mod tests {
         drop((first, other));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "released locks leave files");
         RigLock::take_in(folder.path(), DEVICE, "flash").expect("a released rig");
+    }
+
+    #[test]
+    fn two_names_of_a_terminal_are_one_rig() {
+        let folder = tempfile::tempdir().unwrap();
+        let [terminal, one, other] = ["ttyACM0", "by-id", "by-path"].map(|name| folder.path().join(name));
+        fs::write(&terminal, "").unwrap();
+        let name = |path: &Path| path.display().to_string();
+        for link in [&one, &other] {
+            std::os::unix::fs::symlink(&terminal, link).unwrap();
+        }
+        let take = |device: &Path| RigLock::take_in(folder.path(), &name(device), "flash");
+        let held = take(&one).expect("a free rig");
+        assert!(matches!(take(&other), Err(LockError::Held { .. })));
+        // A chip in its boot loader has no port.
+        fs::remove_file(&terminal).unwrap();
+        assert!(matches!(take(&one), Err(LockError::Held { .. })));
+        drop(held);
+        drop(take(&other).expect("a released rig"));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use lashloop::commission::{OnDevice, settings};
 use lashloop::identify::files::{drive_toml, plant_toml, table};
 use lashloop::{Bench, Scenario};
 use lashloop_bench::run::Clock;
-use lashloop_bench::scenario::{Override, ScenarioErrors};
+use lashloop_bench::scenario::{Override, RunMode, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Limits, commission};
 use lashloop_identify::{Identified, Instruments, Start};
@@ -94,15 +94,21 @@ fn runs_of_the_open_loop_law_show_the_plant_of_the_scenario() {
     let stiffness_nm_rad = scenario.plant.number("stiffness_nm_rad").expect("a number");
     assert!((stiffness_nm_rad - 1.4).abs() < 1e-3, "{stiffness_nm_rad}");
 
-    let parameters = drive_toml(&identified, |name| name != "load_direction");
+    let parameters = drive_toml(&identified, RunMode::Bench, |name| name != "load_direction");
     assert!(parameters.contains("\nmotor_direction = \"forward\""), "{parameters}");
     assert!(parameters.contains("\n# the drive lacks it: load_direction = \"forward\""), "{parameters}");
 }
 
 #[test]
 fn bench_mode_shows_the_same_plant_behind_the_pins() {
-    let bench = ["run.mode=bench", "bench.torque_per_duty_nm=60"];
+    // The encoders behind the pins count forward, whatever direction the drive has in force meanwhile.
+    let bench = ["run.mode=bench", "bench.torque_per_duty_nm=60", "bench.load_direction=reverse"];
     let Commissioned { identified, .. } = commissioned(&LIMITS, &bench).expect("estimates");
+    let parameters = drive_toml(&identified, RunMode::Bench, |_| true);
+    for name in ["motor_direction", "load_direction"] {
+        assert!(parameters.contains(&format!("\n{name} = \"forward\"")), "{parameters}");
+    }
+    assert!(!drive_toml(&identified, RunMode::Hil, |_| true).contains("_direction"));
     // The duty is in steps, so the torque is only nearly what the drive commands.
     for (name, truth) in [("stiffness_nm_rad", 1.4), ("gap_width_rad", 0.18), ("reduction_ratio", 4.0)] {
         let likely = identified.likely(name).expect(name);

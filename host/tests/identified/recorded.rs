@@ -2,7 +2,7 @@
 
 use lashloop::identify::record::series;
 use lashloop::{Bench, run};
-use lashloop_identify::{Identified, Instruments, Start, identify};
+use lashloop_identify::{Direction, Identified, Instruments, Start, identify};
 use lashloop_record::columns::Columns;
 
 use crate::commissioned::assert_shown;
@@ -20,7 +20,7 @@ fn identified(scenario: &str, settings: &[&str]) -> Identified {
         columns.push(values.iter().map(|column| column[row]));
     }
     let instruments = Instruments::exact(4000, 4000, 1000);
-    let series = series(&columns, &instruments).expect("a series");
+    let series = series(&columns, &instruments, [Direction::Forward; 2]).expect("a series");
     identify(&[series], &instruments, &Start::default()).expect("a motion")
 }
 

@@ -19,9 +19,10 @@ type Check = fn();
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let stm32flash = uart::missing();
-    let with_stm32flash: [(&str, Check); 14] = [
+    let with_stm32flash: [(&str, Check); 15] = [
         ("uart::an_image_is_flashed_once_the_drive_reports_its_build", uart::flashed),
         ("uart::the_only_way_that_is_there_is_found", uart::found),
+        ("uart::a_loader_next_to_an_answering_drive_is_not_written", uart::another_chip),
         ("uart::a_running_drive_enters_its_boot_loader_by_request", uart::by_request),
         ("uart::a_drive_gets_no_request_for_a_loader_elsewhere", uart::no_request),
         ("uart::a_drive_gets_no_request_for_the_image_of_another_board", uart::no_request_for_other_board),
@@ -35,7 +36,7 @@ fn main() -> ExitCode {
         ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 19] = [
+    let alone: [(&str, Check); 20] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
@@ -49,6 +50,10 @@ fn main() -> ExitCode {
         ("stand_ins::a_simulator_is_not_flashed", stand_ins::simulator),
         ("stand_ins::two_probes_need_a_choice", stand_ins::two_probes),
         ("stand_ins::dfu_writes_reads_back_and_leaves", stand_ins::dfu),
+        (
+            "stand_ins::a_chip_in_its_loader_next_to_an_answering_drive_is_not_written",
+            stand_ins::another_chip,
+        ),
         ("stand_ins::dfu_with_a_different_copy_is_not_flashed", stand_ins::dfu_different),
         ("stand_ins::a_download_that_fails_is_not_flashed", stand_ins::download_failed),
         ("stand_ins::a_chip_that_is_not_reset_is_not_flashed", stand_ins::reset_failed),

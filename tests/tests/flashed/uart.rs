@@ -56,6 +56,13 @@ pub(crate) fn found() {
     assert!(ended.stdout.contains("\nway        uart: "), "{}", ended.stdout);
 }
 
+pub(crate) fn another_chip() {
+    let (bench, loader, twin) = (right(), RomLoader::start(Defect::None), Twin::start());
+    let ended = bench.flash_with(&["--device", &twin.device(), "--loader-port", &loader.device]).with_code(4);
+    assert!(ended.stderr.contains("the chip that stm32flash finds in its boot loader"), "{}", ended.stderr);
+    assert!(loader.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
+}
+
 pub(crate) fn by_request() {
     for via in [&["--via", "uart"][..], &[]] {
         let (bench, chip) = (right(), RomLoader::behind_a_drive());

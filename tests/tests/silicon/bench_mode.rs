@@ -4,13 +4,11 @@ use tests::paper::PATIENCE;
 use tests::program::{self, Ended};
 use tests::records::Records;
 
-/// The paper's experiment in bench mode: name of the scenario.
-pub(crate) const SMOOTH_BEFORE: &str = "bench-smooth-before";
-pub(crate) const SMOOTH_AFTER: &str = "bench-smooth-after";
-pub(crate) const FRICTION_AFTER: &str = "bench-friction-after";
+/// A scenario of the paper's experiment in bench mode.
+const SMOOTH_AFTER: &str = "bench-smooth-after";
 
 /// Runs a scenario on virtual silicon, with its record.
-pub(crate) fn on_silicon(scenario: &str, more: &[&str]) -> (Ended, Records) {
+fn on_silicon(scenario: &str, more: &[&str]) -> (Ended, Records) {
     let records = Records::new();
     let (path, out) = (format!("scenarios/{scenario}.toml"), records.out());
     let arguments = ["run", &path, "--device", "silicon", "--out", &out];

@@ -18,9 +18,12 @@ use lashloop_protocol::EncoderCounts;
 
 use super::pin_plant::PinScales;
 
-/// Limits of the encoder counters: 16 bits, as on a board.
-const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: i16::MAX as u16, longest_period_us: 100_000 };
+/// Limits of the encoder counters: 16 bits and a filter, as on a board.
+const HARDWARE: PinHardware = PinHardware {
+    largest_move_counts: i16::MAX as u16,
+    largest_counts_per_s: 41_000_000,
+    longest_period_us: 100_000,
+};
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);
 /// The watchdog trips after its limit, not at it.

@@ -7,7 +7,7 @@ use lashloop_protocol::parameter_names::{
     WATCHDOG_US,
 };
 
-use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM};
+use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM, key_of_pin};
 use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
 use crate::timing::ClockName;
@@ -162,7 +162,9 @@ fn check(
     from_sections: &[(&str, &str, f64)],
 ) -> Result<Use, ScenarioError> {
     let of_sections = from_sections.iter().map(|(name, key, _)| (*name, *key)).chain(OF_BENCH_MODE);
-    if let Some((_, key)) = of_sections.into_iter().find(|(name, _)| *name == setting.name) {
+    let of_sections = of_sections.into_iter().find(|(name, _)| *name == setting.name);
+    let of_pins = || key_of_pin(&setting.name);
+    if let Some(key) = of_sections.map(|(_, key)| key.to_owned()).or_else(of_pins) {
         return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")));
     }
     let parameter = session.parameter(&setting.name).ok_or_else(|| {

@@ -50,6 +50,14 @@ const DIRECTIONS: [(&str, &str); 3] = [
     ("torque_direction", "Direction of the power stage."),
 ];
 
+/// The key of a parameter that describes the pins; `None` for any other parameter. One place alone sets it, because a rig
+/// replaces what a scenario has there.
+#[must_use]
+pub fn key_of_pin(parameter: &str) -> Option<String> {
+    let names = NUMBERS.iter().map(|it| it.0).chain(DIRECTIONS.iter().map(|it| it.0));
+    names.into_iter().find(|name| *name == parameter).map(|name| format!("bench.{name}"))
+}
+
 /// Where the load stands at the first step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum BenchStart {

@@ -54,7 +54,11 @@ impl DeviceKind for OwnClock {
 
 /// Serves a drive at rest until the bench disconnects.
 fn serve(mut line: UnixStream, tick: Duration) {
-    let hardware = PinHardware { largest_move_counts: 32_767, longest_period_us: 65_536 };
+    let hardware = PinHardware {
+        largest_move_counts: 32_767,
+        largest_counts_per_s: 41_000_000,
+        longest_period_us: 65_536,
+    };
     let (mut drive, mut clock) = (Drive::<Laws>::with_pins("a test", hardware), Ticks(Duration::ZERO));
     let mut next = Instant::now();
     let mut buffer = [0; 256];

@@ -76,6 +76,18 @@ fn an_unknown_law_is_refused_with_the_laws_of_the_drive() {
 }
 
 #[test]
+fn a_parameter_of_the_pins_has_its_section_alone() {
+    let of_pins = "[controller.parameters]\nload_direction = \"reverse\"\ntwist_limit_rad = 40.0\n";
+    let refused = settings::<Laws>(&scenario("pd", of_pins, &[])).expect_err("parameters of [bench]");
+    for line in [
+        "x.toml:12: controller.parameters.load_direction: \"reverse\" is set by bench.load_direction; set it there",
+        "x.toml:13: controller.parameters.twist_limit_rad: 40 is set by bench.twist_limit_rad; set it there",
+    ] {
+        assert!(refused.contains(line), "{refused}");
+    }
+}
+
+#[test]
 fn a_parameter_of_another_law_is_an_error_at_its_place() {
     let of_merzouki = "[controller.parameters]\nk_21 = 0.02\nk_p1 = 1.0\nhold_fraction = 0.5\n";
     let refused = settings::<Laws>(&scenario("pd", of_merzouki, &[])).expect_err("parameters of others");
