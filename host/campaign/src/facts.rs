@@ -5,7 +5,6 @@ use std::path::Path;
 use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_plant::Plants;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 use std::io::{ErrorKind, Write as _};
 
 use crate::campaign::{Campaign, Selection, Source};
@@ -131,9 +130,4 @@ impl Facts {
             ("program's SHA-256", program_sha256.clone()),
         ]
     }
-}
-
-/// The digits of a digest.
-pub(crate) fn hexadecimal(hash: Sha256) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -5,11 +5,12 @@ use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::write_whole;
+use lashloop_bench::run::digest::hexadecimal;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{CampaignError, io_error};
-use crate::facts::{CAMPAIGN, Facts, hexadecimal};
+use crate::facts::{CAMPAIGN, Facts};
 use crate::row::{case_of, count_fields};
 use crate::shard::Shard;
 use crate::shard_file::{complete_path, facts_path, growing_path, shards_in};

@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::remove_if_present;
 use lashloop_bench::resume::{self, ResumeError};
+use lashloop_bench::run::digest::hexadecimal;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{CampaignError, io_error};
-use crate::facts::{Facts, hexadecimal};
+use crate::facts::Facts;
 use crate::row::{case_of, count_fields};
 use crate::shard::Shard;
 

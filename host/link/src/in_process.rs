@@ -24,6 +24,42 @@ const CAPACITY: usize = 4096;
 /// The watchdog trips after its limit, not at it.
 const PAST_LIMIT: Duration = Duration::from_nanos(1);
 
+/// Device time of the drive's next tick. One that is due and changed nothing is not waited for again.
+pub fn next_tick<L: LawSet>(drive: &Drive<L>, now: Duration) -> Option<Duration> {
+    drive.next_tick().map(|due| due + PAST_LIMIT).filter(|due| *due > now)
+}
+
+/// Bytes that a drive in this process has sent and nothing has read yet.
+#[derive(Debug, Default)]
+pub struct Unread(Vec<u8>);
+
+impl Unread {
+    /// Takes over what the drive has sent.
+    pub fn take<L: LawSet>(&mut self, drive: &mut Drive<L>) {
+        self.0.extend_from_slice(drive.output());
+        drive.clear_output();
+    }
+
+    /// Whether there is nothing to read.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Moves the first bytes to the buffer and returns their number.
+    pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+        let count = self.0.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.0[..count]);
+        self.0.drain(..count);
+        count
+    }
+
+    /// Discards every byte.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
 /// Suspends and resumes a drive in process from outside its link, as `SIGSTOP` and `SIGCONT` do with a process.
 #[derive(Debug, Clone, Default)]
 pub struct Suspension(Arc<AtomicBool>);
@@ -65,8 +101,7 @@ pub struct InProcess<L: LawSet = Laws> {
     pub suspension: Suspension,
     /// Sent to the drive while it was suspended.
     to_drive: Vec<u8>,
-    /// Sent by the drive and not read yet.
-    from_drive: Vec<u8>,
+    from_drive: Unread,
 }
 
 impl<L: LawSet> Default for InProcess<L> {
@@ -77,7 +112,7 @@ impl<L: LawSet> Default for InProcess<L> {
             clock: DeviceClock::Virtual { now: Duration::ZERO },
             suspension: Suspension::default(),
             to_drive: Vec::with_capacity(CAPACITY),
-            from_drive: Vec::with_capacity(CAPACITY),
+            from_drive: Unread(Vec::with_capacity(CAPACITY)),
         }
     }
 }
@@ -90,7 +125,7 @@ impl<L: LawSet> InProcess<L> {
         }
         let now = self.clock.now();
         self.drive.tick(now);
-        self.take_output();
+        self.from_drive.take(&mut self.drive);
         if !self.to_drive.is_empty() {
             let waiting = std::mem::take(&mut self.to_drive);
             self.feed(&waiting);
@@ -103,22 +138,15 @@ impl<L: LawSet> InProcess<L> {
         while !bytes.is_empty() {
             let used = self.drive.receive(bytes, &self.clock);
             bytes = &bytes[used..];
-            self.take_output();
+            self.from_drive.take(&mut self.drive);
         }
-    }
-
-    fn take_output(&mut self) {
-        self.from_drive.extend_from_slice(self.drive.output());
-        self.drive.clear_output();
     }
 
     /// Lets time pass until the drive's next tick, `until` at most.
     fn advance(&mut self, until: Instant) {
         let now = self.clock.now();
         let until = until.saturating_duration_since(self.boot);
-        // A tick that is due and changed nothing is not waited for again.
-        let tick = self.drive.next_tick().map(|due| due + PAST_LIMIT).filter(|due| *due > now);
-        let next = match tick {
+        let next = match next_tick(&self.drive, now) {
             Some(tick) if !self.suspension.is_active() => tick.min(until),
             _ => until,
         };
@@ -180,10 +208,7 @@ impl<L: LawSet> Link for InProcess<L> {
         while self.from_drive.is_empty() && self.now() < deadline {
             self.advance(deadline);
         }
-        let count = self.from_drive.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&self.from_drive[..count]);
-        self.from_drive.drain(..count);
-        Ok(count)
+        Ok(self.from_drive.read(buffer))
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {

@@ -5,11 +5,10 @@
 
 use crate::paper::Run;
 use crate::paper::curves::{
-    Curve, DEAD_ZONE_ESTIMATE_RAD, SETTLED_RAD, column, fixed, mark_settling, mark_static_error, of,
-    over_time,
+    Curve, DEAD_ZONE_ESTIMATE_RAD, column, fixed, mark_settling, mark_static_error, of, over_time,
 };
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-use lashloop_plant::metrics::Metric;
+use lashloop_plant::metrics::{Metric, SETTLED_RAD};
 
 /// The two runs on one plant.
 #[derive(Debug, Clone)]

@@ -189,7 +189,7 @@ fn before(diagnosis: Option<&Diagnosis>) -> String {
     diagnosis.map_or_else(String::new, |diagnosis| format!("; before that {diagnosis}"))
 }
 
-fn quoted(log: &str) -> String {
+pub(crate) fn quoted(log: &str) -> String {
     if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
 

@@ -4,7 +4,7 @@ use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::message::Subscribe;
 
 use crate::client::Session;
-use crate::error::SessionError;
+use crate::error::{SessionError, quoted};
 use crate::signals::{DriveSignal, Subscription};
 
 /// Why a drive doesn't take a subscription.
@@ -21,10 +21,6 @@ pub enum SubscribeError {
     /// The session failed.
     #[error(transparent)]
     Session(#[from] SessionError),
-}
-
-fn quoted(log: &str) -> String {
-    if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
 
 impl Session {

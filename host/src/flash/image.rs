@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use lashloop_bench::device::Build;
+use lashloop_bench::run::digest::sha256;
 use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Architecture, LittleEndian, Object, ObjectSymbol};
-use sha2::{Digest, Sha256};
 
 /// Flash of the STM32F405xG.
 pub const FLASH: Range<u32> = 0x0800_0000..0x0810_0000;
@@ -108,7 +108,7 @@ impl Image {
     /// SHA-256 of the bytes in hexadecimal.
     #[must_use]
     pub fn sha256(&self) -> String {
-        Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+        sha256(&self.bytes)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
+use lashloop_protocol::hex::Hex;
 use subtle::ConstantTimeEq;
 
 /// Shortest token of the user, in characters.
@@ -72,7 +73,7 @@ impl Token {
     pub fn random() -> Result<Self, AccessError> {
         let mut bytes = [0_u8; RANDOM_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| AccessError::Random(error.to_string()))?;
-        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+        Ok(Self(Hex(&bytes).to_string()))
     }
 
     pub(super) fn text(&self) -> &str {

@@ -12,6 +12,8 @@ use lashloop_protocol::message::Identity;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::run::digest::hexadecimal;
+
 /// The files that run as a drive, as its kind gives them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DriveFiles {
@@ -139,7 +141,7 @@ fn sha256(mut file: &File) -> io::Result<String> {
             count => hash.update(&piece[..count]),
         }
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(hash))
 }
 
 /// The source that was changed last, if that was after `program` was built. Cargo lists the sources of a program in a file

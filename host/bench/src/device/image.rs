@@ -15,6 +15,23 @@ pub(super) const VARIABLE: &str = "LASHLOOP_IMAGE";
 /// The workspace that this program was built in. The build puts the image into its target folder.
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
+/// The image in a name of a device, `KIND` or `KIND:ELF`; `None` for another kind.
+///
+/// # Errors
+/// The path after the colon is missing.
+pub(super) fn parse(kind: &str, text: &str) -> Option<Result<Option<PathBuf>, String>> {
+    match text.strip_prefix(kind)?.strip_prefix(':') {
+        None => (text == kind).then_some(Ok(None)),
+        Some("") => Some(Err(format!("{kind}: needs the path of an image after the colon"))),
+        Some(image) => Some(Ok(Some(image.into()))),
+    }
+}
+
+/// The name that [`parse`] parses.
+pub(super) fn name(kind: &str, image: Option<&Path>) -> String {
+    image.map_or_else(|| kind.to_owned(), |image| format!("{kind}:{}", image.display()))
+}
+
 /// The image to run: the one given, else the first that exists. `kind` is the kind of device that an error suggests to
 /// name an image by.
 ///

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use lashloop_firmware::drive::{Clock, Drive, EncoderReading, PinHardware, PinReadings};
 use lashloop_firmware::law::LawSet;
 use lashloop_firmware::power_stage::StageCommand;
-use lashloop_link::in_process::BOARD;
+use lashloop_link::in_process::{BOARD, Unread, next_tick};
 use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_plant::{Plant, PlantError};
 use lashloop_protocol::EncoderCounts;
@@ -26,8 +26,6 @@ const HARDWARE: PinHardware = PinHardware {
 };
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);
-/// The watchdog trips after its limit, not at it.
-const PAST_LIMIT: Duration = Duration::from_nanos(1);
 
 struct DeviceTime(Duration);
 
@@ -95,7 +93,7 @@ pub(super) struct InProcessBench<L: LawSet> {
     boot: Instant,
     now: DeviceTime,
     next_sample: Duration,
-    from_drive: Vec<u8>,
+    from_drive: Unread,
 }
 
 impl<L: LawSet> InProcessBench<L> {
@@ -116,13 +114,12 @@ impl<L: LawSet> InProcessBench<L> {
             boot: Instant::now(),
             now: DeviceTime(Duration::ZERO),
             next_sample: Duration::ZERO,
-            from_drive: Vec::new(),
+            from_drive: Unread::default(),
         }
     }
 
     fn take_output(&mut self) {
-        self.from_drive.extend_from_slice(self.drive.output());
-        self.drive.clear_output();
+        self.from_drive.take(&mut self.drive);
         self.train.follow(self.drive.stage_command());
     }
 
@@ -130,7 +127,7 @@ impl<L: LawSet> InProcessBench<L> {
     fn advance(&mut self, until: Instant) -> Result<(), LinkError> {
         let now = self.now.0;
         let until = until.saturating_duration_since(self.boot);
-        let watchdog = self.drive.next_tick().map(|due| due + PAST_LIMIT).filter(|due| *due > now);
+        let watchdog = next_tick(&self.drive, now);
         let next = watchdog.map_or(until, |due| due.min(until)).min(self.next_sample).max(now);
         let advanced = self.train.advance(next);
         advanced.map_err(|error| LinkError::Io(io::Error::other(error.to_string())))?;
@@ -182,10 +179,7 @@ impl<L: LawSet> Link for InProcessBench<L> {
         while self.from_drive.is_empty() && self.now() < deadline {
             self.advance(deadline)?;
         }
-        let count = self.from_drive.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&self.from_drive[..count]);
-        self.from_drive.drain(..count);
-        Ok(count)
+        Ok(self.from_drive.read(buffer))
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {

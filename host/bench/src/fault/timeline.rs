@@ -148,11 +148,15 @@ impl Timeline {
         })
     }
 
-    /// Begins a step.
+    /// Begins a step. The exchange of the step finds a drive that is lost here.
     ///
     /// # Errors
     /// The link failed while the drive was to be reset.
     pub fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), SessionError> {
+        self.advance(step, device).or_else(|source| if source.is_loss() { Ok(()) } else { Err(source) })
+    }
+
+    fn advance(&mut self, step: u32, device: &mut Device) -> Result<(), SessionError> {
         if let Some(link) = &self.link {
             link.set_step(Some(step));
         }

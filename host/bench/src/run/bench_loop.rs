@@ -168,11 +168,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     /// Begins a period without sending a reference.
     pub(super) fn miss(&mut self, period: u32, device: &mut Device) -> Result<(), RunError> {
-        match self.timeline.begin(period, device) {
-            // The exchange of the period finds the loss and handles it.
-            Err(source) if source.is_loss() => Ok(()),
-            result => Ok(result.map_err(|source| device.explain(source))?),
-        }
+        Ok(self.timeline.begin(period, device).map_err(|source| device.explain(source))?)
     }
 
     /// Completes the record of a drive that has reported fewer steps than the run has.

@@ -175,11 +175,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
-        match self.timeline.begin(step, device) {
-            // The exchange of the step finds the loss and handles it.
-            Err(source) if source.is_loss() => Ok(()),
-            result => Ok(result.map_err(|source| device.explain(source))?),
-        }
+        Ok(self.timeline.begin(step, device).map_err(|source| device.explain(source))?)
     }
 
     fn exchange(

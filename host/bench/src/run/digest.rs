@@ -16,14 +16,20 @@ impl TorqueDigest {
     /// The digest in lower-case hexadecimal, 64 digits.
     #[must_use]
     pub fn finish(self) -> String {
-        Hex(&self.0.finalize()).to_string()
+        hexadecimal(self.0)
     }
 }
 
 /// SHA-256 of `bytes` in lower-case hexadecimal, 64 digits.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    Hex(&Sha256::digest(bytes)).to_string()
+    hexadecimal(Sha256::new_with_prefix(bytes))
+}
+
+/// The digest of what was hashed, in lower-case hexadecimal, 64 digits.
+#[must_use]
+pub fn hexadecimal(hash: Sha256) -> String {
+    Hex(&hash.finalize()).to_string()
 }
 
 #[cfg(test)]

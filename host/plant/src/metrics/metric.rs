@@ -19,8 +19,8 @@ use super::torque::{Effort, TotalVariation};
 use super::velocity_error::SteadyVelocityError;
 use crate::Signal;
 
-/// Band of `settle_time_s`. The paper doesn't define the end of the transient; this band reproduces its 13 s.
-const SETTLED_RAD: f64 = 0.05;
+/// Band of `settle_time_s`, in rad. The paper doesn't define the end of the transient; this band reproduces its 13 s.
+pub const SETTLED_RAD: f64 = 0.05;
 /// Band of `dead_zone_settle_time_s`: an eighth of the paper's half gap, above the error that motor friction and lag leave
 /// in a good estimate.
 const ESTIMATE_SETTLED_RAD: f64 = 0.02;

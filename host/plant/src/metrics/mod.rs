@@ -54,7 +54,7 @@ mod velocity_error;
 
 pub use self::measured::Measured;
 pub use self::measurement::Measurement;
-pub use self::metric::Metric;
+pub use self::metric::{Metric, SETTLED_RAD};
 pub use self::plan::{Plan, RunStart, assumed_signals};
 pub use self::query::{Quantity, Query, Window};
 pub use self::results::Metrics;

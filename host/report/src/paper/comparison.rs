@@ -3,9 +3,9 @@
 //! Positions of an experiment are those of its encoders, and the velocity is the one that the drive has measured, in both.
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-use lashloop_plant::metrics::Metric;
+use lashloop_plant::metrics::{Metric, SETTLED_RAD};
 
-use super::curves::{SETTLED_RAD, column, mark_settling, mark_static_error, over_time, written};
+use super::curves::{column, mark_settling, mark_static_error, over_time, written};
 use super::laws::Run;
 use super::table::Table;
 

@@ -6,9 +6,6 @@ use lashloop_record::trace::TELEMETRY_TIME;
 
 use super::laws::{Laws, Run};
 
-/// Settling band of `settle_time_s`, in rad.
-pub(crate) const SETTLED_RAD: f64 = 0.05;
-
 /// Name, role and run of a curve.
 pub(crate) type Curve<'a> = (&'static str, Role, &'a Run);
 

@@ -1,11 +1,10 @@
 //! Figures 7 to 12: load and motor on the paper's smooth plant, from rest at pi/2 rad to zero.
 
 use crate::plot::{Axis, Figure};
-use lashloop_plant::metrics::Metric;
+use lashloop_plant::metrics::{Metric, SETTLED_RAD};
 
 use super::curves::{
-    MOTOR_ERROR_RAD, SETTLED_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered,
-    within,
+    MOTOR_ERROR_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered, within,
 };
 use super::laws::Laws;
 

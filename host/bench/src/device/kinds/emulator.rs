@@ -18,13 +18,8 @@ const NAME: &str = "qemu";
 pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "qemu, qemu:ELF", parse };
 
 fn parse(text: &str) -> Option<ParsedKind> {
-    let kind = |image| Ok(Box::new(Emulator { image }) as Box<dyn DeviceKind>);
-    match text.split_once(':') {
-        None if text == NAME => Some(kind(None)),
-        Some((NAME, "")) => Some(Err("qemu: needs the path of an image after the colon".to_owned())),
-        Some((NAME, image)) => Some(kind(Some(image.into()))),
-        _ => None,
-    }
+    let kind = |image| Box::new(Emulator { image }) as Box<dyn DeviceKind>;
+    image::parse(NAME, text).map(|image| image.map(kind))
 }
 
 /// The emulator, started by the bench.
@@ -36,7 +31,7 @@ pub struct Emulator {
 
 impl DeviceKind for Emulator {
     fn name(&self) -> String {
-        self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
+        image::name(NAME, self.image.as_deref())
     }
 
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {

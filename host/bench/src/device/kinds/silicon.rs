@@ -40,13 +40,8 @@ const NAME: &str = "silicon";
 pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "silicon, silicon:ELF", parse };
 
 fn parse(text: &str) -> Option<ParsedKind> {
-    let kind = |image| Ok(Box::new(Silicon { image, pins: None }) as Box<dyn DeviceKind>);
-    match text.split_once(':') {
-        None if text == NAME => Some(kind(None)),
-        Some((NAME, "")) => Some(Err("silicon: needs the path of an image after the colon".to_owned())),
-        Some((NAME, image)) => Some(kind(Some(image.into()))),
-        _ => None,
-    }
+    let kind = |image| Box::new(Silicon { image, pins: None }) as Box<dyn DeviceKind>;
+    image::parse(NAME, text).map(|image| image.map(kind))
 }
 
 /// Virtual silicon, started by the bench.
@@ -66,7 +61,7 @@ impl Silicon {
 
 impl DeviceKind for Silicon {
     fn name(&self) -> String {
-        self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
+        image::name(NAME, self.image.as_deref())
     }
 
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
