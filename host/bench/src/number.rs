@@ -19,7 +19,7 @@ impl fmt::Display for Shown {
     }
 }
 
-/// A number next to its bounds, with as many more digits as it takes to differ from a bound that it does not equal.
+/// A number next to its bounds, with as many more digits as it takes to be on its side of a bound that it does not equal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
     value: f64,
@@ -37,8 +37,11 @@ impl Apart {
 impl fmt::Display for Apart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_apart = |digits: &usize| {
-            let shown = text(self.value, *digits);
-            self.bounds.iter().flatten().all(|bound| *bound == self.value || Ok(*bound) != shown.parse())
+            let shown: f64 = text(self.value, *digits).parse().unwrap_or(f64::NAN);
+            let mut bounds = self.bounds.iter().flatten();
+            bounds.all(|bound| {
+                *bound == self.value || shown.partial_cmp(bound) == self.value.partial_cmp(bound)
+            })
         };
         let digits = (DIGITS..ALL_DIGITS).find(is_apart).unwrap_or(ALL_DIGITS);
         f.pad(&text(self.value, digits))
@@ -112,6 +115,7 @@ mod tests {
         assert_eq!(shown(5.000_000_1, 5.0), "5.0000001");
         assert_eq!(shown(5.0, 5.0), "5");
         assert_eq!(shown(4.2, 5.0), "4.2");
+        assert_eq!(shown(1.234_645, 1.234_642), "1.234645");
         assert_eq!(shown(0.1 + 0.2, 0.3), "0.30000000000000004");
     }
 }

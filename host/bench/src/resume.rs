@@ -2,9 +2,11 @@
 
 use std::fs::{File, TryLockError};
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use rustix::io::Errno;
 
 /// Timeout for the lock of another process.
 const LOCK_TIMEOUT: Duration = Duration::from_millis(500);
@@ -46,8 +48,10 @@ pub enum ResumeError {
 /// A new child process holds copies of its parent's locks until it executes its own program. A released lock can therefore
 /// stay taken for a moment.
 ///
+/// On a file system [without locks](has_locks) no other process has one.
+///
 /// # Errors
-/// The file system has no locks, or fails.
+/// The file system fails.
 pub fn lock(file: &File) -> io::Result<bool> {
     let deadline = Instant::now() + LOCK_TIMEOUT;
     loop {
@@ -55,7 +59,33 @@ pub fn lock(file: &File) -> io::Result<bool> {
             Ok(()) => return Ok(true),
             Err(TryLockError::WouldBlock) if Instant::now() < deadline => thread::sleep(LOCK_TIMEOUT / 50),
             Err(TryLockError::WouldBlock) => return Ok(false),
+            Err(TryLockError::Error(source)) if lacks_locks(&source) => return Ok(true),
             Err(TryLockError::Error(source)) => return Err(source),
         }
+    }
+}
+
+/// Whether the file system of a folder has locks. Lustre without `-o flock` has none.
+///
+/// # Errors
+/// No file can be created in the folder.
+pub fn has_locks(folder: &Path) -> io::Result<bool> {
+    let file = tempfile::tempfile_in(folder)?;
+    Ok(!matches!(file.try_lock(), Err(TryLockError::Error(source)) if lacks_locks(&source)))
+}
+
+fn lacks_locks(error: &io::Error) -> bool {
+    matches!(Errno::from_io_error(error), Some(Errno::NOSYS | Errno::OPNOTSUPP))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_system_without_locks_differs_from_one_that_fails() {
+        let lacks = |errno: Errno| lacks_locks(&errno.into());
+        assert!(lacks(Errno::NOSYS) && lacks(Errno::NOTSUP) && !lacks(Errno::IO));
+        assert!(has_locks(&std::env::temp_dir()).expect("a folder"));
     }
 }

@@ -1,5 +1,6 @@
 //! The values of an axis: keys of the scenario that take one value together.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use lashloop_bench::scenario::Scalar;
@@ -105,6 +106,32 @@ impl Values {
         }
     }
 
+    /// Each value of a grid or a list, of long ranges evenly spread ones; else as [`extremes`](Self::extremes).
+    #[must_use]
+    pub fn checked(&self) -> Vec<AxisValue> {
+        match self {
+            Self::Range(Range { points: Some(points), .. }) => {
+                spread(*points).into_iter().map(|index| self.at_index(index)).collect()
+            }
+            _ => self.extremes(),
+        }
+    }
+
+    /// Whether no two values of a grid or a list are equal.
+    #[must_use]
+    pub fn are_distinct(&self) -> bool {
+        match self {
+            Self::Listed(values) => {
+                let distinct: BTreeSet<_> = values.iter().map(AxisValue::setting).collect();
+                distinct.len() == values.len()
+            }
+            Self::Range(Range { min, max, scale: Scale::Whole, points: Some(points) }) => {
+                *points as f64 <= max - min + 1.0
+            }
+            Self::Range(_) => true,
+        }
+    }
+
     /// Each listed value, or both ends of the range.
     #[must_use]
     pub fn extremes(&self) -> Vec<AxisValue> {
@@ -125,6 +152,15 @@ impl Values {
             Self::Range(range) => AxisValue::Number(range.at(fraction)),
         }
     }
+}
+
+/// Places of a long axis that are checked before the first run.
+const CHECKED: u64 = 1000;
+
+/// Every place of `count`, or as many of them as are checked, the first and the last among them.
+pub(crate) fn spread(count: u64) -> Vec<u64> {
+    let checked = count.min(CHECKED);
+    (0..checked).map(|at| at * (count - 1) / (checked - 1).max(1)).collect()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,7 +208,7 @@ mod tests {
             (0..5).map(|at| values.at_index(at).number().expect("a number")).collect::<Vec<_>>()
         };
         assert_eq!(all(range(1.0, 3.0, Scale::Linear)), [1.0, 1.5, 2.0, 2.5, 3.0]);
-        assert_eq!(all(range(1.0, 4.0, Scale::Whole)), [1.0, 2.0, 3.0, 3.0, 4.0]);
+        assert_eq!(all(range(1.0, 8.0, Scale::Whole)), [1.0, 3.0, 5.0, 6.0, 8.0]);
         let ratios = all(range(1.0, 1e4, Scale::Logarithmic));
         for (have, want) in ratios.iter().zip([1.0, 10.0, 100.0, 1e3, 1e4]) {
             assert!((have / want - 1.0).abs() < 1e-12, "{ratios:?}");

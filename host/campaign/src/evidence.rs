@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use csv::StringRecord;
 use lashloop_bench::atomic_file::remove_if_present;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -19,8 +19,9 @@ use lashloop_record::writer::RecordWriter;
 use crate::campaign::Campaign;
 use crate::cell::{Cell, Missing};
 use crate::error::CampaignError;
+use crate::plan::Case;
 use crate::row::{CaseResult, Columns, LAST};
-use crate::run::result_of;
+use crate::run::{NO_RUN, result_of, run_case};
 use crate::table::Table;
 use crate::workers::Stop;
 
@@ -40,6 +41,11 @@ impl Pick {
     pub fn is_failure(&self) -> bool {
         self.row.get(self.row.len().saturating_sub(LAST.len())) != Some(PASS)
     }
+
+    fn has_run(&self) -> bool {
+        let end = self.row.get(self.row.len().saturating_sub(2));
+        end.is_none_or(|end| !end.starts_with(NO_RUN))
+    }
 }
 
 /// The verdict of a run that is no failure.
@@ -54,7 +60,7 @@ pub struct Repeater<'a> {
     pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
 }
 
-/// The rows whose records are kept: the worst ones, then failures in the order of cases, each once.
+/// The rows whose records are kept: the worst ones, then failures in the order of cases, each once; none without a run.
 ///
 /// # Errors
 /// The table can't be read, or is not that of its campaign.
@@ -68,6 +74,9 @@ pub fn picks(table: &Table<'_>) -> Result<Vec<Pick>, CampaignError> {
         return Ok(failures);
     }
     table.for_each(|row| {
+        if row.end().starts_with(NO_RUN) {
+            return Ok(());
+        }
         let pick = || Pick { case: row.case, row: row.fields().clone() };
         let cell = of.and_then(|column| row.cell(column));
         if let Some(cell) =
@@ -130,6 +139,7 @@ impl Repeater<'_> {
     }
 
     /// Runs a row again, with a record if a folder is given, and compares it with the table; `None` if the user stopped it.
+    /// A row without a run has no record.
     ///
     /// # Errors
     /// The run fails, the record can't be written, or the row differs.
@@ -139,36 +149,17 @@ impl Repeater<'_> {
         record: Option<RecordFolder>,
     ) -> Result<Option<CaseResult>, CampaignError> {
         let case = self.campaign.case(pick.case)?;
-        let scenario = self.campaign.scenario(&case)?;
-        let failed = |source: RunError| CampaignError::Run { case: pick.case, source: Box::new(source) };
-        let source = Path::new(&self.campaign.scenario_source(&case).path);
-        let overrides = self.campaign.overrides(&case);
-        if let Some(folder) = &record {
-            folder.check_source(source)?;
-        }
-        let mut writer = record.map(|folder| {
-            RecordWriter::new(folder, RunSource::new(source, &overrides, self.campaign.plants()))
-        });
-        let lockstep = ClockName::Lockstep;
-        let opened = DeviceUnderTest::open(&scenario, self.device, lockstep, self.supervisor, |link| link);
-        let mut device = opened.map_err(|error| failed(error.into()))?;
         let stop = Stop::new(self.supervisor);
-        let mut stopper = &stop;
-        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut stopper];
-        observers.extend(writer.as_mut().map(|writer| writer as &mut dyn StepObserver));
-        let outcome =
-            run::run(&scenario, &mut device, Clock::Lockstep, &mut Observers(observers)).map_err(failed)?;
-        if outcome.end == End::Interrupted {
-            return Ok(None);
-        }
-        if let Some(writer) = writer {
-            writer.finish(&(self.summary)(&scenario, &device.device, &outcome))?;
-        }
-        let result = result_of(self.campaign, &case, outcome);
+        let result = match record.filter(|_| pick.has_run()) {
+            Some(folder) => self.recorded(&case, folder, &stop)?,
+            None => run_case(self.campaign, self.device, pick.case, &stop)?.map(|(_, result)| result),
+        };
+        let Some(result) = result else { return Ok(None) };
         let columns = Columns::of(self.campaign);
         let again = columns.fields(self.campaign, &case, &result);
-        // The torques first: other differences usually follow from them.
-        let places = [columns.len() - 1].into_iter().chain(0..columns.len());
+        // End and torques first: other differences usually follow from them.
+        let last = columns.len() - 1;
+        let places = [last - 1, last].into_iter().chain(0..columns.len());
         for place in places {
             let (before, again) = (&pick.row[place], &again[place]);
             if before != again {
@@ -178,5 +169,31 @@ impl Repeater<'_> {
             }
         }
         Ok(Some(result))
+    }
+
+    fn recorded(
+        &self,
+        case: &Case,
+        folder: RecordFolder,
+        stop: &Stop<'_>,
+    ) -> Result<Option<CaseResult>, CampaignError> {
+        let scenario = self.campaign.scenario(case)?;
+        let failed = |source: RunError| CampaignError::Run { case: case.number, source: Box::new(source) };
+        let source = Path::new(&self.campaign.scenario_source(case).path);
+        let overrides = self.campaign.overrides(case);
+        folder.check_source(source)?;
+        let mut writer =
+            RecordWriter::new(folder, RunSource::new(source, &overrides, self.campaign.plants()));
+        let lockstep = ClockName::Lockstep;
+        let opened = DeviceUnderTest::open(&scenario, self.device, lockstep, self.supervisor, |link| link);
+        let mut device = opened.map_err(|error| failed(error.into()))?;
+        let mut stopper = stop;
+        let mut observers = Observers(vec![&mut stopper, &mut writer]);
+        let outcome = run::run(&scenario, &mut device, Clock::Lockstep, &mut observers).map_err(failed)?;
+        if outcome.end == End::Interrupted {
+            return Ok(None);
+        }
+        writer.finish(&(self.summary)(&scenario, &device.device, &outcome))?;
+        Ok(Some(result_of(self.campaign, case, outcome)))
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use lashloop_bench::number::Shown;
+use lashloop_bench::number::{Apart, Shown};
 use serde::Serialize;
 
 use crate::cell::Cell;
@@ -152,12 +152,19 @@ impl Judged {
 impl fmt::Display for Judged {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (state, what) = (self.state.word(), self.what());
-        let limit = match (self.max, self.below, self.min) {
-            (Some(max), ..) => format!("<= {}", Shown(max)),
-            (_, Some(below), _) => format!("< {}", Shown(below)),
-            (.., min) => format!(">= {}", Shown(min.unwrap_or(0.0))),
+        let (sign, limit) = match (self.max, self.below, self.min) {
+            (Some(max), ..) => ("<=", max),
+            (_, Some(below), _) => ("<", below),
+            (.., min) => (">=", min.unwrap_or(0.0)),
         };
-        write!(out, "{state:<10}{what:<36}{:>12}   {limit:<12}", shown(self.value))?;
+        let value = match self.value {
+            Cell::Value(value) => Apart::new(value, Some(limit), None).to_string(),
+            Cell::Missing(reason) => reason.to_string(),
+        };
+        let digits = Shown(limit).to_string();
+        let is_exact = digits.parse() == Ok(limit);
+        let limit = format!("{sign} {}", if is_exact { digits } else { limit.to_string() });
+        write!(out, "{state:<10}{what:<36}{value:>12}   {limit:<12}")?;
         if let (Some([lower, upper]), Some(confidence)) = (self.interval, self.confidence) {
             let bound = |cell: Option<Cell>| cell.map_or_else(|| "unbounded".to_owned(), shown);
             write!(out, " {} to {} at {} %", bound(lower), bound(upper), Shown(100.0 * confidence))?;
@@ -209,6 +216,14 @@ mod tests {
         let never = Sorted::new(Vec::new(), [0, 0, 3, 0, 0]);
         let judged = Judged::quantile(&quantile(Limit::Max(1e12), false), &never).expect("runs");
         assert_eq!((judged.state, judged.value), (State::Missed, Cell::Missing(Missing::Never)));
+    }
+
+    #[test]
+    fn missed_value_is_printed_beyond_its_limit() {
+        let sorted = Sorted::new(vec![1.234_645; 3], [0; Missing::ALL.len()]);
+        let line = |limit| Judged::quantile(&quantile(limit, false), &sorted).expect("runs").to_string();
+        assert!(line(Limit::Max(1.234_642)).contains(" 1.234645   <= 1.234642 "), "more digits of both");
+        assert!(line(Limit::Max(1.3)).contains(" 1.2346   <= 1.3 "));
     }
 
     #[test]

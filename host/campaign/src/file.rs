@@ -106,6 +106,9 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
         {
             root.reject_section(&format!("expects of {column}, which is no metric and no [[derive]]"));
         }
+        if let (Some(_), Some(problem)) = (expectation.confidence, population(file, expectation)) {
+            root.reject_section(&format!("has an expectation with confidence, {problem}"));
+        }
         let parts = file.parts.iter().map(|part| &part.name);
         let variants = file.variants.iter().map(|variant| &variant.name);
         for (what, named, known) in [
@@ -125,6 +128,23 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
             root.reject_section(&format!("has evidence of {of}, which is no metric and no [[derive]]"));
         }
         _ => {}
+    }
+}
+
+/// Why the runs of an expectation are no independent samples of one population, which a confidence interval needs.
+fn population(file: &CampaignFile, expectation: &Expectation) -> Option<&'static str> {
+    let mut parts = file.parts.iter().filter(|it| expectation.part.iter().all(|name| *name == it.name));
+    let is_sampled = parts.all(|part| part.method.is_sampled());
+    if expectation.variant.is_none() && file.variants.len() > 1 {
+        Some("which pools variants on the same points; add variant")
+    } else if !is_sampled {
+        Some(
+            "which covers a grid or a list, whose points are no samples; add part = a sampled part, or remove confidence",
+        )
+    } else if expectation.part.is_none() && file.parts.len() > 1 {
+        Some("which pools parts, whose points share their random streams; add part")
+    } else {
+        None
     }
 }
 
@@ -183,11 +203,40 @@ fn read_part(part: &mut Section<'_>) -> Part {
     if method == Method::List && axes.windows(2).any(|pair| pair[0].values.len() != pair[1].values.len()) {
         part.reject_section("is a list whose axes differ in their number of values; make them equal");
     }
+    check_order(part, method, &axes);
     let keys: Vec<_> = axes.iter().flat_map(|axis| &axis.keys).collect();
     if let Some((_, key)) = keys.iter().enumerate().find(|(at, key)| keys[..*at].contains(key)) {
         part.reject_section(&format!("has {key} in two axes; each key has one"));
     }
     Part { name, method, points, axes }
+}
+
+/// A point that is repeated counts twice, and a map interpolates between neighbouring values.
+fn check_order(part: &Section<'_>, method: Method, axes: &[Axis]) {
+    let repeats = |axis: &&Axis| !axis.values.are_distinct();
+    let name = axes.iter().find(repeats).map_or("", Axis::name);
+    if method == Method::Grid && !name.is_empty() {
+        part.reject_section(&format!(
+            "is a grid that has a value of {name} twice; remove one, or take fewer points"
+        ));
+    }
+    if method == Method::List && !axes.is_empty() && axes.iter().all(|axis| repeats(&axis)) {
+        let mut rows = BTreeSet::new();
+        let row = |at| axes.iter().map(|axis| axis.values.at_index(at).setting()).collect::<Vec<_>>();
+        if let Some(at) = (0..axes[0].values.len()).find(|at| !rows.insert(row(*at))) {
+            part.reject_section(&format!("is a list whose row {at} repeats an earlier one; remove it"));
+        }
+    }
+    for axis in axes.iter().filter(|_| method == Method::Grid && axes.len() > 1) {
+        let Values::Listed(listed) = &axis.values else { continue };
+        let numbers: Option<Vec<_>> = listed.iter().map(AxisValue::number).collect();
+        if numbers.is_some_and(|it| !it.is_sorted() && !it.is_sorted_by(|one, next| one >= next)) {
+            part.reject_section(&format!(
+                "is a grid whose values of {} neither rise nor fall; sort them, because maps interpolate between neighbours",
+                axis.name()
+            ));
+        }
+    }
 }
 
 fn read_axis(axis: &mut Section<'_>, method: Method) -> Axis {
@@ -318,7 +367,7 @@ fn read_expectation(section: &mut Section<'_>) -> Expectation {
         .doc("Smallest allowed fraction of runs whose verdict is PASS, in place of a metric.")
         .optional_number("pass", "", 0.0..=1.0);
     let confidence = section
-        .doc("Level of a two-sided confidence interval: order statistics for a quantile, Clopper-Pearson for a fraction.")
+        .doc("Level of a two-sided confidence interval, of one variant on one sampled part: order statistics for a quantile, Clopper-Pearson for a fraction.")
         .optional_number("confidence", "", 0.5..=0.999_999);
     let choice = |name, doc| Choice { name, doc };
     let shown = section
@@ -327,7 +376,7 @@ fn read_expectation(section: &mut Section<'_>) -> Expectation {
             choice("value", "the value over the runs of the campaign"),
             choice(
                 "interval",
-                "the whole confidence interval: the limit is shown, not only met; needs `confidence`",
+                "the whole confidence interval: the limit is shown, not only met; needs `confidence`, and a quantile or fraction below 1",
             ),
         ])
         .choice("judge", false, &[("value", false), ("interval", true)])
@@ -348,5 +397,14 @@ fn read_expectation(section: &mut Section<'_>) -> Expectation {
             Statistic::Pass { least: 0.0 }
         }
     };
+    let is_whole = match what {
+        Statistic::Quantile { quantile, .. } => quantile >= 1.0,
+        Statistic::Pass { least } => least >= 1.0,
+    };
+    if shown && is_whole {
+        let problem =
+            "can't be met: no number of runs bounds the whole population; take quantile or pass < 1";
+        section.reject("judge", problem.to_owned());
+    }
     Expectation { part, variant, what, confidence, shown }
 }

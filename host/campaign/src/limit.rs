@@ -48,7 +48,9 @@ impl Limits {
                     place.map(|place| limits.columns[place].get_or_insert(*limit));
                 }
                 Statistic::Pass { least } => {
-                    limits.failures.get_or_insert(Limit::Max(1.0 - least));
+                    // 1 - 0.9 is less than the fraction of one failure in ten.
+                    let most = ((1.0 - least) * 1e12).round() / 1e12;
+                    limits.failures.get_or_insert(Limit::Max(most));
                 }
             }
         }

@@ -1,10 +1,11 @@
 //! Shards to one table, in the order of cases, with the memory of one line per shard.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use lashloop_bench::atomic_file::write_whole;
+use lashloop_bench::atomic_file::{remove_if_present, write_whole};
+use lashloop_bench::resume::{self, ResumeError};
 use lashloop_bench::run::digest::hexadecimal;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use sha2::{Digest as _, Sha256};
@@ -23,12 +24,44 @@ const BUFFER: usize = 1 << 14;
 /// Files that are open besides the shards, with a margin.
 const OTHER_FILES: u64 = 64;
 
-/// Merges the shards in a folder to `results.csv` and `campaign.json`.
+/// Prefixes of the temporary files of a merge and its reports.
+const UNFINISHED: [&str; 4] = [".results-", ".facts-", ".report-", ".output-"];
+
+/// Excludes a second merge in a folder, until it is dropped.
+#[derive(Debug)]
+pub struct MergeLock(#[expect(dead_code, reason = "the open file is the lock")] File);
+
+impl MergeLock {
+    /// # Errors
+    /// Another program merges in the folder, or the file of the lock can't be created.
+    pub fn take(folder: &Path) -> Result<Self, CampaignError> {
+        let path = folder.join(".merge.lock");
+        let file = File::create(&path).map_err(io_error(&path, "created"))?;
+        if !resume::lock(&file).map_err(io_error(&path, "locked"))? {
+            return Err(ResumeError::InUse { path: folder.to_owned() }.into());
+        }
+        Ok(Self(file))
+    }
+}
+
+/// Removes what killed merges left. Of complete shards no program writes facts.
+fn remove_unfinished(folder: &Path) -> Result<(), CampaignError> {
+    for entry in fs::read_dir(folder).map_err(io_error(folder, "read"))? {
+        let entry = entry.map_err(io_error(folder, "read"))?;
+        if UNFINISHED.iter().any(|prefix| entry.file_name().to_string_lossy().starts_with(prefix)) {
+            remove_if_present(&entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Merges the shards in a folder to `results.csv` and `campaign.json`, under the caller's [`MergeLock`].
 ///
 /// # Errors
 /// A shard is missing or incomplete, differs from the first in a fact, or lacks, repeats or adds a case.
 pub fn merge(folder: &Path) -> Result<Facts, CampaignError> {
     let Shards { first, facts, hashes } = shards(folder)?;
+    remove_unfinished(folder)?;
     allow_open_files(folder, facts.shards)?;
     let mut tables = Vec::new();
     for (number, table_sha256) in (1..).zip(hashes) {

@@ -2,7 +2,7 @@
 //!
 //! Cases are in the order of parts; in a part in the order of rows; in a row in the order of variants.
 
-use crate::axis::{Axis, AxisValue, Values};
+use crate::axis::{Axis, AxisValue, Values, spread};
 use crate::draw::{Stream, permuted};
 pub use crate::settings::MAX_CASES;
 use crate::settings::{Method, Part};
@@ -134,8 +134,8 @@ impl Plan {
         Case { number, part, row, variant, values }
     }
 
-    /// Cases of a part and variant that have each listed value and both ends of each range, one axis at a time with the first
-    /// row's values of the others, and with both ends of the axis that multiplies it. Each has the axis that is varied.
+    /// Cases of a part and variant that have each [checked value](Values::checked), one axis at a time with the first row's
+    /// values of the others, and with both ends of the axis that multiplies it. Each has the axis that is varied.
     #[must_use]
     pub fn probes(&self, part: usize, variant: usize) -> Vec<(Option<usize>, Case)> {
         let planned = &self.parts[part];
@@ -145,15 +145,17 @@ impl Plan {
             (axis, Case { number, part, row, variant, values })
         };
         if planned.method == Method::List {
-            // Its axes vary together. Ranges are monotone, so their ends suffice; a list has each of its values.
+            // Its axes vary together; a list has each of its values.
             let is_listed = |axis: &PlannedAxis| matches!(axis.values, Values::Listed(_));
-            let last = planned.rows.saturating_sub(1);
-            let rows = if planned.axes.iter().any(is_listed) { (0..=last).collect() } else { vec![0, last] };
+            let rows = match planned.axes.iter().any(is_listed) {
+                true => (0..planned.rows).collect(),
+                false => spread(planned.rows),
+            };
             return rows.into_iter().map(|row| case(None, row, planned.drawn(row))).collect();
         }
         let mut probes = vec![case(None, 0, planned.drawn(0))];
         for (at, axis) in planned.axes.iter().enumerate() {
-            for value in axis.values.extremes() {
+            for value in axis.values.checked() {
                 let mut drawn = planned.drawn(0);
                 drawn[at] = value;
                 if let Factor::Axis(earlier) = axis.factors[variant] {

@@ -10,6 +10,7 @@ use crate::cell::{Cell, Missing};
 use crate::error::CampaignError;
 use crate::expectation::{Judged, State, shown};
 use crate::quantile::Sorted;
+use crate::run::NO_RUN;
 use crate::settings::{Expectation, Statistic};
 use crate::table::{Numbers, Row, Table};
 
@@ -25,7 +26,19 @@ pub struct Report {
     /// One for each part and variant.
     pub groups: Vec<Group>,
     pub expectations: Vec<Judged>,
+    pub no_run: NoRun,
 }
+
+/// Cases without a run, which are INVALID.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct NoRun {
+    pub cases: u64,
+    /// Why, of the first ones.
+    pub first: BTreeMap<u64, String>,
+}
+
+/// Reasons in a report at most; the table has all.
+const REASONS: u64 = 10;
 
 /// The runs of a variant on the rows of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,6 +106,7 @@ impl Report {
             cases: table.campaign.plan.cases(),
             groups: empty_groups(table),
             expectations: Vec::new(),
+            no_run: NoRun::default(),
         };
         let mut judged: Vec<Option<Judged>> = vec![None; file.expectations.len()];
         let columns: Vec<_> = (0..table.columns.numbers.len()).collect();
@@ -102,6 +116,9 @@ impl Report {
                     return Ok(());
                 }
                 report.groups[group].count(row.verdict());
+                if let Some(reason) = row.end().strip_prefix(NO_RUN) {
+                    report.no_run.push(row.case, reason);
+                }
                 observer.row(group, row)
             })?;
             for (column, groups) in chosen.iter().zip(numbers) {
@@ -183,6 +200,15 @@ fn judge(expectation: &Expectation, groups: &[Group], sorted: &[Sorted]) -> Opti
     }
 }
 
+impl NoRun {
+    fn push(&mut self, case: u64, reason: &str) {
+        if self.cases < REASONS {
+            self.first.insert(case, reason.to_owned());
+        }
+        self.cases += 1;
+    }
+}
+
 impl Group {
     fn count(&mut self, verdict: &str) {
         self.runs += 1;
@@ -225,6 +251,10 @@ impl fmt::Display for Report {
         for group in &self.groups {
             let Group { runs, pass, fail, invalid, .. } = group;
             writeln!(out, "{:<32}{:<width$}{runs:>10}{pass:>10}{fail:>10}{invalid:>10}", "", name(group))?;
+        }
+        if self.no_run.cases > 0 {
+            writeln!(out, "\n{} cases are INVALID without a run; the first:", self.no_run.cases)?;
+            self.no_run.first.iter().try_for_each(|(case, why)| writeln!(out, "case {case}: {why}"))?;
         }
         let [median, p95, max] = QUANTILES.map(|(name, _)| name);
         writeln!(

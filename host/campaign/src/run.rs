@@ -1,21 +1,29 @@
 //! One case on a drive, in lockstep.
 
-use lashloop_bench::device::DeviceChoice;
+use std::fmt;
+
+use lashloop_bench::device::{DeviceChoice, DeviceError};
+use lashloop_bench::run::digest::TorqueDigest;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError};
 use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::Verdict;
 
 use crate::campaign::Campaign;
-use crate::cell::cells;
+use crate::cell::{Cell, Missing, cells};
 use crate::error::CampaignError;
 use crate::plan::Case;
 use crate::row::CaseResult;
 use crate::workers::Stop;
 
+/// Begins the end of a case that has no run, because of its own settings or of its drive; the reason follows.
+pub const NO_RUN: &str = "no run: ";
+
 /// Runs a case on a drive of its own; `None` if it was stopped. Nothing is shared between runs, so a result does not depend
-/// on the runs next to it.
+/// on the runs next to it. A case whose settings permit no run, or whose drive ends twice, is INVALID with [`NO_RUN`]: as an
+/// error it would end each further attempt at its shard too.
 ///
 /// # Errors
-/// The scenario rejects a setting, or drive, link or plant failed.
+/// Device or link failed for a reason that further cases share.
 pub fn run_case(
     campaign: &Campaign,
     device: &DeviceChoice,
@@ -23,22 +31,68 @@ pub fn run_case(
     stop: &Stop<'_>,
 ) -> Result<Option<(Case, CaseResult)>, CampaignError> {
     let case = campaign.case(number)?;
-    let scenario = campaign.scenario(&case)?;
-    let failed = |source: RunError| CampaignError::Run { case: number, source: Box::new(source) };
-    let opened = DeviceUnderTest::open(&scenario, device, ClockName::Lockstep, stop.supervisor, |link| link);
-    let mut watcher = stop;
-    let outcome = opened
-        .map_err(RunError::from)
-        .and_then(|mut device| run::run(&scenario, &mut device, Clock::Lockstep, &mut watcher));
-    match outcome {
-        Ok(outcome) if outcome.end == End::Interrupted => Ok(None),
-        // A signal to the whole group of processes ends drives too.
-        Err(_) if stop.asked() => Ok(None),
-        Err(error) => Err(failed(error)),
-        Ok(outcome) => {
-            let result = result_of(campaign, &case, outcome);
-            Ok(Some((case, result)))
+    let scenario = match campaign.scenario(&case) {
+        Err(CampaignError::Case { source, .. }) => {
+            let result = no_run(campaign, &source);
+            return Ok(Some((case, result)));
         }
+        scenario => scenario?,
+    };
+    let attempt = || {
+        let opened =
+            DeviceUnderTest::open(&scenario, device, ClockName::Lockstep, stop.supervisor, |link| link);
+        let mut watcher = stop;
+        opened
+            .map_err(RunError::from)
+            .and_then(|mut device| run::run(&scenario, &mut device, Clock::Lockstep, &mut watcher))
+    };
+    let mut outcome = attempt();
+    // The system may have ended the drive, for instance without memory.
+    if matches!(outcome, Err(RunError::Device(DeviceError::Ended { .. }))) && !stop.asked() {
+        outcome = attempt();
+    }
+    let result = match outcome {
+        Ok(outcome) if outcome.end == End::Interrupted => return Ok(None),
+        Ok(outcome) => result_of(campaign, &case, outcome),
+        // A signal to the whole group of processes ends drives too.
+        Err(_) if stop.asked() => return Ok(None),
+        Err(error) => match reason(&error) {
+            Some(reason) => no_run(campaign, &reason),
+            None => return Err(CampaignError::Run { case: number, source: Box::new(error) }),
+        },
+    };
+    Ok(Some((case, result)))
+}
+
+/// Why this case has no run, in the same words each time; `None` if others may have none either.
+fn reason(error: &RunError) -> Option<String> {
+    match error {
+        RunError::Scenario(_)
+        | RunError::Inconsistent { .. }
+        | RunError::TooFarToStart { .. }
+        | RunError::Plant(_)
+        | RunError::Integration(_) => Some(error.to_string()),
+        // Process id and last words differ from run to run.
+        RunError::Device(DeviceError::Ended { name, status, .. }) => {
+            Some(format!("the {name} ended, {status}"))
+        }
+        RunError::Device(_)
+        | RunError::Record(_)
+        | RunError::Fault(_)
+        | RunError::NoPins { .. }
+        | RunError::BenchClock { .. }
+        | RunError::RecordBehind { .. }
+        | RunError::Pace(_) => None,
+    }
+}
+
+fn no_run(campaign: &Campaign, reason: &dyn fmt::Display) -> CaseResult {
+    CaseResult {
+        cells: vec![Cell::Missing(Missing::CutShort); campaign.file.number_columns().len()],
+        verdict: Verdict::Invalid.to_string(),
+        // In one line, as a row is.
+        end: format!("{NO_RUN}{reason}").replace('\n', "; "),
+        torque_sha256: TorqueDigest::default().finish(),
     }
 }
 

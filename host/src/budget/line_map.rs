@@ -1,5 +1,6 @@
 //! A map of what delay, jitter and loss of the line a law tolerates, from a campaign over these axes.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use lashloop_bench::scenario::Scenario;
@@ -12,6 +13,7 @@ use lashloop_campaign::settings::Limit;
 use lashloop_campaign::table::Table;
 use lashloop_campaign::{Campaign, CampaignError};
 use lashloop_plant::Plants;
+use serde_json::{Map, Value};
 
 use super::measured_line::Point;
 use super::shipped_map;
@@ -162,7 +164,28 @@ impl LineMap {
     }
 }
 
+/// The first key with another value.
+fn difference(path: &str, of_map: &Value, here: &Value) -> Option<String> {
+    if let (Value::Object(of_map), Value::Object(here)) = (of_map, here) {
+        let keys: BTreeSet<_> = of_map.keys().chain(here.keys()).collect();
+        let value = |object: &Map<String, Value>, key| object.get(key).cloned().unwrap_or_default();
+        return keys
+            .into_iter()
+            .find_map(|key| difference(&format!("{path}.{key}"), &value(of_map, key), &value(here, key)));
+    }
+    (of_map != here).then(|| format!("{path} is {here}, {of_map} on the map"))
+}
+
 impl VariantMap {
+    /// The first key of plant, encoders and parameters of the law that differs from the map's scenario.
+    #[must_use]
+    pub fn difference(&self, scenario: &Scenario) -> Option<String> {
+        let [of_map, here] =
+            [&self.scenario, scenario].map(|it| serde_json::to_value(it).unwrap_or_default());
+        let sections = ["plant", "encoders", "controller"];
+        sections.into_iter().find_map(|it| difference(it, &of_map[it], &here[it]))
+    }
+
     /// # Errors
     /// The point is beyond the map.
     pub fn place(&self, point: Point) -> Result<Placed, PlaceError> {

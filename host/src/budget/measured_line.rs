@@ -49,8 +49,8 @@ impl MeasuredLine {
 }
 
 impl Point {
-    /// Delay is the median of the round trip, jitter the distance from it to the 99th percentile. A uniform jitter above this
-    /// delay has no smaller median and no smaller p99 than the line, so the point is on the safe side of it.
+    /// Delay is the median of the round trip. Jitter has the 99th percentile of the round trip as its own: of a uniform jitter
+    /// from 0 to J above the delay that is 0.99 J. The slowest hundredth of the samples is not modelled.
     #[must_use]
     pub fn of(timing: &Timing) -> Self {
         let us = |time: Duration| (time.as_secs_f64() * 1e6).ceil();
@@ -58,7 +58,7 @@ impl Point {
         let sent = (timing.answered + timing.lost).max(1);
         Self {
             delay_us,
-            jitter_us: (p99_us - delay_us).max(0.0),
+            jitter_us: ((p99_us - delay_us).max(0.0) / 0.99).ceil(),
             loss: f64::from(timing.lost) / f64::from(sent),
         }
     }
@@ -75,9 +75,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn median_is_the_delay_and_the_way_to_p99_the_jitter() {
+    fn modelled_line_has_the_99th_percentile_of_the_measured_one() {
         let [p50, p99, max] = [1_400_100, 1_999_000, 9_000_000].map(Duration::from_nanos);
         let timing = Timing { answered: 998, lost: 2, surplus: 0, left_out: 0, p50, p99, max };
-        assert_eq!(Point::of(&timing), Point { delay_us: 1401.0, jitter_us: 598.0, loss: 0.002 });
+        let point = Point::of(&timing);
+        assert_eq!(point, Point { delay_us: 1401.0, jitter_us: 605.0, loss: 0.002 });
+        assert!(point.delay_us + 0.99 * point.jitter_us >= 1999.0);
     }
 }

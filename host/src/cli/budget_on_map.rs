@@ -5,6 +5,7 @@ use std::time::Duration;
 use crate::budget::line_map::{LineMap, MapError};
 use crate::budget::measured_line::{MeasuredLine, Point};
 use crate::budget::placement::Placement;
+use crate::doctor::round_trip::Timing;
 use lashloop_bench::device::{DeviceChoice, LineSpeed};
 use lashloop_bench::link::latency_timer::LatencyTimer;
 use lashloop_bench::run::real_time::PERIOD_MARGIN;
@@ -35,9 +36,10 @@ impl Placing<'_> {
     pub(super) fn run(&self) -> Result<Exit, CliError> {
         let chosen = self.scenario.map(|scenario| self.map.of_law(scenario)).transpose()?;
         let line = MeasuredLine::measure(self.port, self.speed(), self.rounds, &start_supervisor()?)?;
-        let [p50_us, p99_us] = [line.timing.p50, line.timing.p99].map(|time| time.as_secs_f64() * 1e6);
+        let Timing { p50, p99, max, .. } = line.timing;
+        let [p50_us, p99_us, max_us] = [p50, p99, max].map(|time| time.as_secs_f64() * 1e6);
         outln!(
-            "{:<15}{}: {} samples answered, {} lost; round trip p50 {p50_us:.1} us, p99 {p99_us:.1} us",
+            "{:<15}{}: {} samples answered, {} lost; round trip p50 {p50_us:.1} us, p99 {p99_us:.1} us, max {max_us:.1} us",
             "line",
             self.port,
             line.timing.answered,
@@ -56,7 +58,14 @@ impl Placing<'_> {
             }
             Err(error) => return Err(MapError::from(error).into()),
         };
-        self.real_time(line.timing.p99);
+        if let Some(difference) = chosen.zip(self.scenario).and_then(|(it, scenario)| it.difference(scenario))
+        {
+            outln!(
+                "{:<15}{difference}: the map is of another loop, and may not hold; run a campaign of this scenario",
+                "warning"
+            );
+        }
+        self.real_time(p99);
         if let Some(LatencyTimer::Shortened { from_ms }) = line.latency_timer {
             outln!("{:<15}was {from_ms} ms, set to 1 ms until the adapter is unplugged", "latency timer");
         }

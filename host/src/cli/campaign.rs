@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::evidence;
@@ -10,12 +10,14 @@ use lashloop_campaign::facts::{CAMPAIGN, Facts};
 use lashloop_campaign::file::CampaignFile;
 use lashloop_campaign::merge::{RESULTS, common_facts};
 use lashloop_campaign::shard::{Shard, ShardChoice};
+use lashloop_campaign::shard_file::shards_in;
 use lashloop_campaign::table::Table;
 use lashloop_campaign::{Campaign, CampaignError};
 use lashloop_record::folder::RecordFolder;
 
 use super::campaign_run::{
-    Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
+    Concluded, Execution, Made, ResultsFolder, RunsOptions, begin_merge, evidence_interrupted, interruption,
+    jobs, start,
 };
 use super::campaign_selection::SelectionOptions;
 use super::campaign_submit::{Status, Submit};
@@ -28,6 +30,7 @@ use crate::bench::Bench;
 /// Run a scenario over many plants, links or laws, and judge statistics over the runs
 ///
 /// Case i is a function of campaign file, seed and i. Results are therefore the same for any number of jobs and shards.
+/// `lashloop campaign FILE.toml` is `lashloop campaign run FILE.toml`.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -87,13 +90,20 @@ enum Verb {
         force: bool,
     },
     #[command(external_subcommand)]
-    Unknown(Vec<String>),
+    File(Vec<String>),
     /// Print every key of a campaign file with unit, range, default and meaning, as Markdown
     Keys {
         /// As a JSON Schema for editors
         #[arg(long)]
         schema: bool,
     },
+}
+
+/// `lashloop campaign FILE.toml`, which is `lashloop campaign run FILE.toml`.
+#[derive(Parser)]
+struct RunLine {
+    #[command(flatten)]
+    arguments: RunArguments,
 }
 
 #[derive(Args)]
@@ -129,6 +139,11 @@ impl Arguments {
             Verb::Submit(submit) => submit.run(bench),
             Verb::Status(status) => status.run(),
             Verb::Merge { folder } => {
+                // A folder without shards may hold other reports.
+                if shards_in(&folder)?.is_empty() {
+                    return Err(CampaignError::NoShards { folder }.into());
+                }
+                let lock = begin_merge(&folder)?;
                 let facts = common_facts(&folder)?;
                 let (campaign, device) = (facts.campaign(&plants(bench))?, device(&facts, bench)?);
                 let supervisor = start_supervisor()?;
@@ -139,16 +154,19 @@ impl Arguments {
                     supervisor: &supervisor,
                     is_kept: true,
                 };
-                report(&execution)
+                report(&execution, execution.conclude_locked(&lock)?)
             }
             Verb::Show { file, case, selection } => show(&selection.read(&file, bench)?, case),
             Verb::Rerun { results, case, out, force } => rerun(&results, case, out.as_deref(), force, bench),
-            Verb::Unknown(words) => {
-                let word = words.into_iter().next().unwrap_or_default();
-                let problem = format!(
-                    "is no command of `lashloop campaign`, see --help; `lashloop campaign run {word}` runs a campaign file"
-                );
-                Err(CampaignError::Unusable { file: word, problem }.into())
+            Verb::File(words) => {
+                let file = words.first().cloned().unwrap_or_default();
+                if Path::new(&file).extension().is_some_and(|extension| extension == "toml") {
+                    let line = ["lashloop campaign run".to_owned()].into_iter().chain(words);
+                    return RunLine::parse_from(line).arguments.run(bench);
+                }
+                let problem =
+                    "is neither a command of `lashloop campaign`, see --help, nor a campaign file, FILE.toml";
+                Err(CampaignError::Unusable { file, problem: problem.to_owned() }.into())
             }
             Verb::Keys { schema: true } => {
                 outln!("{:#}", CampaignFile::keys().to_json_schema_of("Lashloop campaign"));
@@ -189,7 +207,7 @@ impl RunArguments {
             return Ok(Exit::Invalid);
         }
         match shard {
-            None => report(&execution),
+            None => report(&execution, execution.conclude()?),
             Some(shard) => {
                 outln!(
                     "shard {shard} is complete: {all} runs; `lashloop campaign merge {}` merges all shards",
@@ -201,8 +219,8 @@ impl RunArguments {
     }
 }
 
-fn report(execution: &Execution<'_>) -> Result<Exit, CliError> {
-    let Some(Concluded { report, failures_without_record }) = execution.conclude()? else {
+fn report(execution: &Execution<'_>, concluded: Option<Concluded>) -> Result<Exit, CliError> {
+    let Some(Concluded { report, failures_without_record }) = concluded else {
         outln!("{}", evidence_interrupted(execution.folder));
         return Ok(Exit::Invalid);
     };

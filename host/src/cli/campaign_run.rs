@@ -9,6 +9,7 @@ use std::time::Instant;
 use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::resume;
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -16,7 +17,7 @@ use lashloop_campaign::Campaign;
 use lashloop_campaign::engine::{Progress as Done, ShardRun};
 use lashloop_campaign::evidence::{self, Pick, Repeater};
 use lashloop_campaign::facts::{Facts, Program};
-use lashloop_campaign::merge::{self, RESULTS};
+use lashloop_campaign::merge::{self, MergeLock, RESULTS};
 use lashloop_campaign::report::Report;
 use lashloop_campaign::run::run_case;
 use lashloop_campaign::shard::Shard;
@@ -103,6 +104,12 @@ impl Execution<'_> {
     /// Runs a shard.
     pub(super) fn run(&self, shard: Shard, jobs: NonZeroUsize, start: Start) -> Result<Made, CliError> {
         prepare_folder(self.folder, &[])?;
+        if !resume::has_locks(self.folder).map_err(system("create a file in the folder of the results"))? {
+            error_line(format_args!(
+                "lashloop: the file system of {} has no locks (flock), so a shard that is started twice is damaged; start each once",
+                self.folder.display()
+            ));
+        }
         let facts = Facts::new(self.campaign, self.program()?, shard.count);
         let all = shard.len(self.campaign.plan.cases());
         let progress = Progress::over(format!("{all} runs"), all);
@@ -123,16 +130,22 @@ impl Execution<'_> {
         }
         let (runs, wall_s) = (done.rows - done.restored, started.elapsed().as_secs_f64());
         let speed = (runs > 0).then(|| {
-            let rate = runs as f64 / wall_s / jobs.get() as f64;
+            let jobs = (jobs.get() as u64).min(runs);
+            let cores = thread::available_parallelism().map_or(jobs, |cores| jobs.min(cores.get() as u64));
+            let rate = runs as f64 / wall_s / cores as f64;
             format!("{runs} runs in {wall_s:.1} s, {jobs} at a time: {rate:.2} runs per second and core")
         });
         Ok(Made { done, speed })
     }
 
+    /// As [`conclude_locked`](Self::conclude_locked), from the lock on.
+    pub(super) fn conclude(&self) -> Result<Option<Concluded>, CliError> {
+        self.conclude_locked(&begin_merge(self.folder)?)
+    }
+
     /// Merges the shards, keeps the evidence, and writes the reports; `None` if the user stopped it. `report.json` is last: it
     /// marks a folder as merged.
-    pub(super) fn conclude(&self) -> Result<Option<Concluded>, CliError> {
-        prepare_folder(self.folder, &[REPORT_JSON, REPORT_TEXT, REPORT_FILE])?;
+    pub(super) fn conclude_locked(&self, _lock: &MergeLock) -> Result<Option<Concluded>, CliError> {
         let facts = merge::merge(self.folder)?;
         let path = self.folder.join(RESULTS);
         let table = Table::new(self.campaign, &path);
@@ -171,6 +184,7 @@ impl Execution<'_> {
 
     fn failures_without_record(&self, report: &Report, picks: &[Pick]) -> Option<String> {
         let failures: u64 = report.groups.iter().map(|group| group.fail + group.invalid).sum();
+        let failures = failures - report.no_run.cases;
         let recorded = picks.iter().filter(|pick| pick.is_failure()).count() as u64;
         let without = failures - recorded.min(failures);
         (without > 0 && self.is_kept).then(|| {
@@ -200,6 +214,13 @@ impl Execution<'_> {
             drive: if hashes.is_empty() { opened.device.description() } else { hashes.join(",") },
         })
     }
+}
+
+/// Locks a folder for a merge, and removes the reports of an earlier one: a merge that fails leaves none.
+pub(super) fn begin_merge(folder: &Path) -> Result<MergeLock, CliError> {
+    let lock = MergeLock::take(folder)?;
+    prepare_folder(folder, &[REPORT_JSON, REPORT_TEXT, REPORT_FILE])?;
+    Ok(lock)
 }
 
 /// Runs at once: as many as cores, and one on a drive that has one session.

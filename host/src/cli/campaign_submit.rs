@@ -150,7 +150,7 @@ impl Submit {
         let mut submission = Submission::open(&out_path, subject)?;
         check_shards(&out_path, &facts)?;
         // In this order: a task that ends in between has a complete shard.
-        let active = submission.active(&slurm::queue()?);
+        let active = submission.active(&out_path, &slurm::queue()?);
         let progress = read_progress(&out_path, shards, cases, STALE_AFTER_S)?;
         let is_merged = out_path.join(REPORT_JSON).exists();
         let plan = Plan::new(&progress.unfinished(), &active, is_merged);

@@ -1,6 +1,6 @@
 //! Slurm's commands: `sbatch`, `squeue`, `scancel`. They, unlike its libraries, are the same on every cluster.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::error::ClusterError;
@@ -16,6 +16,8 @@ pub struct Queued {
     /// Index in the array.
     pub index: Option<u32>,
     pub is_pending: bool,
+    /// Path of its script.
+    pub script: PathBuf,
 }
 
 /// Submits a script and returns the number of the job.
@@ -35,13 +37,13 @@ pub fn submit(script: &Path, options: &[String]) -> Result<u32, ClusterError> {
 /// `squeue` is missing, or the controller doesn't answer.
 pub fn queue() -> Result<Vec<Queued>, ClusterError> {
     let text =
-        output(SQUEUE, Command::new(SQUEUE).args(["--me", "--noheader", "--array", "--format=%F %K %T"]))?;
-    let lines = text.lines().filter(|line| !line.trim_end().ends_with("COMPLETING"));
+        output(SQUEUE, Command::new(SQUEUE).args(["--me", "--noheader", "--array", "--format=%F %K %T %o"]))?;
+    let lines = text.lines().filter(|line| line.split(' ').nth(2) != Some("COMPLETING"));
     let queued = lines.map(|line| {
         queued(line).ok_or_else(|| ClusterError::Output {
             command: SQUEUE,
             output: line.to_owned(),
-            expected: "job, index and state",
+            expected: "job, index, state and script",
         })
     });
     queued.collect()
@@ -56,10 +58,11 @@ pub fn cancel_pending(job: u32) -> Result<(), ClusterError> {
 }
 
 fn queued(line: &str) -> Option<Queued> {
-    let mut fields = line.split_whitespace();
+    let mut fields = line.splitn(4, ' ');
     let mut next = || fields.next();
     // Of a job that is no array, the index is `N/A`.
-    Some(Queued { job: next()?.parse().ok()?, index: next()?.parse().ok(), is_pending: next()? == "PENDING" })
+    let (job, index, is_pending) = (next()?.parse().ok()?, next()?.parse().ok(), next()? == "PENDING");
+    Some(Queued { job, index, is_pending, script: next()?.into() })
 }
 
 fn output(name: &'static str, command: &mut Command) -> Result<String, ClusterError> {
@@ -99,8 +102,10 @@ mod tests {
 
     #[test]
     fn a_line_of_the_queue_is_a_task_or_a_job() {
-        assert_eq!(queued("12 3 RUNNING"), Some(Queued { job: 12, index: Some(3), is_pending: false }));
-        assert_eq!(queued("13 N/A PENDING"), Some(Queued { job: 13, index: None, is_pending: true }));
+        let job =
+            |job, index, is_pending, script: &str| Queued { job, index, is_pending, script: script.into() };
+        assert_eq!(queued("12 3 RUNNING /a b/s.sh"), Some(job(12, Some(3), false, "/a b/s.sh")));
+        assert_eq!(queued("13 N/A PENDING (null)"), Some(job(13, None, true, "(null)")));
         assert_eq!(queued("slurm_load_jobs error"), None);
     }
 }

@@ -13,6 +13,7 @@ use lashloop_campaign::{Campaign, Selection, Source};
 use serde::{Deserialize, Serialize};
 
 use super::error::ClusterError;
+use super::scripts::{MERGE, SHARDS};
 use super::slurm::Queued;
 
 /// Folder of the scripts, the logs and the submission, in the folder of the results.
@@ -147,17 +148,19 @@ impl Submission {
         Ok(())
     }
 
-    /// Its jobs among those of the queue.
+    /// The jobs of this folder among those of the queue: the recorded ones, and all of its scripts. A command that was killed
+    /// after `sbatch` recorded none.
     #[must_use]
-    pub fn active(&self, queue: &[Queued]) -> Active {
+    pub fn active(&self, out: &Path, queue: &[Queued]) -> Active {
         let mut active = Active::default();
-        for Queued { job, index, is_pending } in queue {
+        let [of_shards, of_merge] = [SHARDS, MERGE].map(|name| out.join(FOLDER).join(name));
+        for Queued { job, index, is_pending, script } in queue {
             match index {
-                Some(shard) if self.jobs.iter().any(|jobs| jobs.array == Some(*job)) => {
+                Some(shard) if *script == of_shards || self.jobs.iter().any(|it| it.array == Some(*job)) => {
                     active.arrays.insert(*job);
                     active.shards.insert(*shard);
                 }
-                None if self.jobs.iter().any(|jobs| jobs.merge == Some(*job)) => {
+                None if *script == of_merge || self.jobs.iter().any(|it| it.merge == Some(*job)) => {
                     active.merges.push((*job, *is_pending));
                 }
                 _ => {}

@@ -123,6 +123,15 @@ fn scenario_of_another_law_plant_or_period_has_no_place_on_the_map() {
         map.of_law(&scenario).map(|variant| variant.name.clone()).map_err(|error| error.to_string())
     };
     assert_eq!(error("scenarios/shaft-merzouki.toml", &[]), Ok("merzouki".to_owned()));
+    let difference = |settings: &[&str]| {
+        let scenario =
+            Bench::new().scenario(path("scenarios/shaft-merzouki.toml"), settings).expect("a scenario");
+        map.of_law(&scenario).expect("a law").difference(&scenario)
+    };
+    assert_eq!(difference(&[]), None);
+    let heavy =
+        difference(&["plant.load_inertia_kg_m2=15", "encoders.load_counts_per_rev=2000", "meant=mismatch"]);
+    assert_eq!(heavy.as_deref(), Some("plant.load_inertia_kg_m2 is 15.0, 7.5 on the map"));
     for (name, settings, want) in [
         ("scenarios/shaft-pd.toml", &[][..], "has no law pd, only merzouki, braking-curve"),
         ("scenarios/shaft-merzouki.toml", &["run.control_period_us=2000"], "is of control period 1000 us"),

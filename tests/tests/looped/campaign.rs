@@ -1,6 +1,7 @@
 //! `lashloop campaign`: shards, kills, a full disk, reruns.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
@@ -28,20 +29,22 @@ fn whole(line: &str) -> (Records, Ended) {
 
 #[test]
 fn shards_of_parallel_programs_merge_to_the_results_of_one() {
-    let (one, ended) = whole(&format!("{SMALL} --jobs 1"));
+    let (one, ended) = whole(&format!("{SMALL} --jobs 1").replacen(" run", "", 1));
     let ended = ended.with_code(0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
     assert!(ended.stderr.contains("runs per second and core"), "{}", ended.stderr);
     let shards = Records::new();
-    // The recipe of docs/campaigns.md.
-    let mut xargs = Command::new("sh");
+    // The recipe of docs/campaigns.md; again, it runs nothing.
     let recipe = format!(
-        "seq 3 | xargs -P 2 -I {{}} {} {SMALL} --shard {{}}/3 --jobs 1 --out {}",
+        "seq 3 | xargs -P 2 -I {{}} {} {SMALL} --shard {{}}/3 --jobs 1 --out {} --resume",
         lashloop().display(),
         shards.out()
     );
-    xargs.args(["-c", &recipe]);
-    let _ = Running::start_command(xargs).wait().with_code(0);
+    for _ in 0..2 {
+        let mut xargs = Command::new("sh");
+        xargs.args(["-c", &recipe]);
+        let _ = Running::start_command(xargs).wait().with_code(0);
+    }
     let merged = run(&format!("campaign merge {}", shards.out())).with_code(0);
     assert_eq!(merged.stdout, ended.stdout);
     assert_eq!(results(&shards), results(&one));
@@ -85,7 +88,8 @@ const ONE: &str = "campaign run campaigns/small.toml --points 1 --variant brakin
 
 #[test]
 fn rerun_into_a_folder_replaces_no_file_of_the_user() {
-    let (records, _) = whole(ONE);
+    let (records, ended) = whole(&format!("{ONE} --jobs 3"));
+    assert!(ended.stderr.contains(" s, 1 at a time: "), "{}", ended.stderr);
     let table = results(&records);
     let again = Records::new();
     fs::write(again.path("thesis.txt"), "x").expect("a file");
@@ -120,10 +124,53 @@ fn edited_number_of_the_results_is_found_by_running_its_row_again() {
 fn merge_that_fails_leaves_no_mark_of_an_earlier_one() {
     let (records, _) = whole(ONE);
     assert!(records.path("report.json").exists() && records.path("report.txt").exists());
+    // What a killed merge leaves.
+    fs::write(records.path(".results-aBcDeF"), "case").expect("a temporary file");
     fs::write(records.path("shard-1-of-1.csv"), "case\n").expect("a damaged shard");
-    let ended = run(&format!("campaign merge {}", records.out())).with_code(2);
+    let merge = format!("campaign merge {}", records.out());
+    let ended = run(&merge).with_code(2);
     assert!(ended.stderr.contains("case 0 is missing"), "{}", ended.stderr);
-    assert!(!records.path("report.json").exists() && !records.path("report.txt").exists());
+    let has_any = |names: &[&str]| names.iter().any(|name| records.path(name).exists());
+    assert!(!has_any(&["report.json", "report.txt", ".results-aBcDeF"]));
+    fs::write(records.path("report.json"), "{}").expect("a report");
+    fs::remove_file(records.path("shard-1-of-1.json")).expect("facts");
+    let ended = run(&merge).with_code(2);
+    assert!(ended.stderr.contains("shard-1-of-1.json: is missing"), "{}", ended.stderr);
+    assert!(!has_any(&["report.json"]));
+}
+
+/// The stand-in of `sbatch` kills the command that calls it, once the queue has the job.
+#[test]
+fn job_of_a_killed_submit_is_not_submitted_again() {
+    let (records, commands) = (Records::new(), tempfile::tempdir().expect("a folder"));
+    let queue = commands.path().join("queue").display().to_string();
+    for (name, script) in [
+        ("squeue", format!("cat {queue}")),
+        (
+            "sbatch",
+            format!(
+                "for script; do :; done\nif [ -s {queue} ]; then echo \"$@\" >>{queue}.more; echo 8; exit; fi\n\
+                 echo \"7 1 RUNNING $script\" >{queue}; kill -9 $PPID"
+            ),
+        ),
+    ] {
+        let path = commands.path().join(name);
+        fs::write(&path, format!("#!/bin/sh\n{script}\n")).expect("a command");
+        fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).expect("a program");
+    }
+    fs::write(&queue, "").expect("a queue");
+    let submit = || {
+        let mut command = Command::new(lashloop());
+        let line = format!("{ONE} --slurm --shards 1 --out {}", records.out()).replacen("run", "submit", 1);
+        let path = format!("{}:{}", commands.path().display(), std::env::var("PATH").expect("a path"));
+        command.args(line.split_whitespace()).env("PATH", path);
+        Running::start_command(command).wait()
+    };
+    assert_eq!(submit().code, None);
+    let again = submit().with_code(0);
+    assert_eq!(again.stdout.lines().next(), Some("job 8: merge, after the last shard"), "{}", again.stdout);
+    let more = fs::read_to_string(format!("{queue}.more")).expect("a submission");
+    assert!(more.contains("--dependency=afterany:7 ") && more.lines().count() == 1, "{more}");
 }
 
 /// No scheduler is needed to refuse.
@@ -254,8 +301,8 @@ fn wrong_campaigns_are_refused_with_the_remedy() {
         (format!("{SMALL} --set plant.dead_zone_rad=1"), "varies the key of --set"),
         (format!("{SMALL} {serial}"), "--jobs 2 needs as many drives"),
         (
-            "campaign campaigns/small.toml --out x".to_owned(),
-            "`lashloop campaign run campaigns/small.toml` runs a campaign file",
+            "campaign small --out x".to_owned(),
+            "small: is neither a command of `lashloop campaign`, see --help, nor a campaign file",
         ),
         ("campaign show campaigns".to_owned(), "is a folder; name a file in it"),
         ("campaign show campaigns/small.toml --case 20".to_owned(), "has cases 0 to 19"),

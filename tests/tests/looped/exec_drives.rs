@@ -71,6 +71,28 @@ fn a_changed_program_is_named_with_the_first_step_that_differs() {
     assert!(replay.stdout.contains("\nfirst       step 0, 0 s: recorded "), "{}", replay.stdout);
 }
 
+/// Its last byte is that of a step, the same in each attempt.
+#[test]
+fn case_whose_drive_ends_is_an_invalid_row_of_its_campaign() {
+    let records = tests::records::Records::new();
+    let (file, scenario) = (records.path("ends.toml"), workspace().join(SCENARIO));
+    let text = format!(
+        "title = \"ends\"\nscenario = {scenario:?}\nset = [\"run.duration_s=5\", \"expect=[]\"]\n[[part]]\nname = \"one\"\n\
+         [[part.axis]]\nkey = \"run.seed\"\nvalues = [1]\n"
+    );
+    fs::write(&file, text).expect("a campaign");
+    let device = format!("exec:sh -c '{} | dd bs=1 count=20000 status=none'", c_drive::path().display());
+    let (file, out) = (file.display().to_string(), records.path("out").display().to_string());
+    let ended = program::run(["campaign", &file, "--device", &device, "--out", &out]).with_code(0);
+    assert!(
+        ended.stdout.contains("1 cases are INVALID without a run; the first:\ncase 0: the "),
+        "{}",
+        ended.stdout
+    );
+    let again = program::run(["campaign", "rerun", &out, "--case", "0"]).with_code(0);
+    assert!(again.stdout.contains("INVALID, no run: the "), "{}", again.stdout);
+}
+
 #[test]
 fn the_walk_to_a_drive_in_c_leads_there() {
     tests::walk::through("docs/extend/drive-in-c.md", &[]);

@@ -1,8 +1,10 @@
 //! Errors of campaign files: place, key and remedy.
 
-use crate::support::{PARTS, read};
+use crate::support::{PARTS, TWO_VARIANTS, read};
 
 const AXIS: &str = "[[part.axis]]\nkey = \"plant.dead_zone_rad\"\n";
+
+const COUNTS: &str = "[[part.axis]]\nkey = \"encoders.load_counts_per_rev\"\n";
 
 #[test]
 fn wrong_campaign_files_are_refused_with_the_remedy() {
@@ -28,6 +30,51 @@ fn wrong_campaign_files_are_refused_with_the_remedy() {
         (format!("{PARTS}[[expect]]\nmetric = \"settle_time_s\"\nmax = 1"), "must give metric, quantile and"),
         (format!("{PARTS}[[expect]]\npass = 0.9\npart = \"none\""), "no [[part]] of this name"),
         (format!("{PARTS}[[expect]]\npass = 0.9\njudge = \"interval\""), "add confidence"),
+        (
+            format!("{PARTS}[[expect]]\npass = 1\nconfidence = 0.9\njudge = \"interval\""),
+            "take quantile or pass < 1",
+        ),
+        (
+            format!("{TWO_VARIANTS}{PARTS}[[expect]]\npass = 0.9\npart = \"random\"\nconfidence = 0.9"),
+            "pools variants on the same points; add variant",
+        ),
+        (format!("{PARTS}[[expect]]\npass = 0.9\nconfidence = 0.9"), "covers a grid or a list"),
+        (
+            format!(
+                "{}{}[[expect]]\npass = 0.9\nconfidence = 0.9",
+                part(&format!("method = \"random\"\npoints = 2\n{AXIS}min = 0.1\nmax = 0.2\n")),
+                part(&format!("method = \"sobol\"\npoints = 2\n{AXIS}min = 0.1\nmax = 0.2\n"))
+                    .replace("\"p\"", "\"q\""),
+            ),
+            "pools parts",
+        ),
+        (
+            part(&format!("{AXIS}values = [0.2, 0.1, 0.20]")),
+            "a grid that has a value of plant.dead_zone_rad twice",
+        ),
+        (
+            part(&format!("{COUNTS}min = 2000\nmax = 2003\nscale = \"whole\"\npoints = 5")),
+            "a grid that has a value of encoders.load_counts_per_rev twice",
+        ),
+        (
+            part(&format!("{AXIS}values = [0.2, 0.1, 0.3]\n{COUNTS}values = [2000, 4000]")),
+            "values of plant.dead_zone_rad neither rise nor fall; sort them",
+        ),
+        (
+            part(&format!(
+                "method = \"list\"\n{AXIS}values = [0.2, 0.1, 0.2]\n{COUNTS}values = [2000, 2000, 2000]"
+            )),
+            "a list whose row 2 repeats an earlier one",
+        ),
+        // Neither of the ends: 4666.67.
+        (
+            part(&format!("{COUNTS}min = 2000\nmax = 10000\npoints = 4")),
+            "axis encoders.load_counts_per_rev at 4666.66",
+        ),
+        (
+            part(&format!("method = \"list\"\n{COUNTS}min = 2000\nmax = 10000\npoints = 4")),
+            "c.toml: part p, variant default, case 1: ",
+        ),
         (
             part(&format!("{AXIS}values = [0.2, nan]")),
             "part.0.axis.0.values: [2 items] has a number that is not finite",

@@ -2,6 +2,7 @@
 
 mod damage;
 mod files;
+mod no_run;
 mod plans;
 mod shards;
 mod support;

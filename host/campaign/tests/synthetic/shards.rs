@@ -6,8 +6,10 @@ use std::{env, fs, thread};
 
 use lashloop_campaign::CampaignError;
 use lashloop_campaign::facts::Facts;
-use lashloop_campaign::merge::{RESULTS, merge};
+use lashloop_campaign::limit::Limits;
+use lashloop_campaign::merge::{MergeLock, RESULTS, merge};
 use lashloop_campaign::report::Report;
+use lashloop_campaign::settings::Limit;
 use lashloop_campaign::shard::Shard;
 use lashloop_campaign::shard_file::{Start, complete_path, facts_path};
 use lashloop_campaign::table::Table;
@@ -36,7 +38,7 @@ fn expectations_are_judged_over_the_runs_they_name() {
     let text = format!(
         "{TWO_VARIANTS}{PARTS}\n[[expect]]\npart = \"grid\"\nmetric = \"static_error_rad\"\nquantile = 1.0\nmax = 0.76\n\
          [[expect]]\nvariant = \"pd\"\nmetric = \"settle_time_s\"\nquantile = 0.9\nmax = 1000\n\
-         [[expect]]\npass = 0.85\nconfidence = 0.9\n"
+         [[expect]]\npass = 0.85\n"
     );
     let (campaign, folder) = (read(&text).expect("a campaign"), tempdir().expect("a folder"));
     run_all(&campaign, folder.path(), 2);
@@ -56,6 +58,9 @@ fn expectations_are_judged_over_the_runs_they_name() {
         (22..34_u64).map(|case| ((case * 7919 % 1009) as f64 / 1009.0 - 0.25).abs()).fold(0.0, f64::max);
     assert_eq!((judged[0].0, judged[0].1), (12, Some(largest)));
     assert_eq!(report.verdict.to_string(), "FAIL");
+    // What 0.85 leaves, not 1 - 0.85.
+    let limits = Limits::new(&campaign, 0, 0).expect("limits");
+    assert_eq!(limits.failures, Some(Limit::Max(0.15)));
 }
 
 /// What `merge` reports after `change` to two complete shards.
@@ -141,6 +146,16 @@ fn merge_refuses_gaps_duplicates_and_half_lines() {
     }
     let folder = tempdir().expect("a folder");
     assert!(matches!(merge(folder.path()), Err(CampaignError::NoShards { .. })));
+}
+
+#[test]
+fn two_programs_do_not_merge_in_one_folder() {
+    let folder = tempdir().expect("a folder");
+    let first = MergeLock::take(folder.path()).expect("a lock");
+    let error = MergeLock::take(folder.path()).expect_err("a second merge").to_string();
+    assert!(error.contains("is being written by another lashloop: wait for its end"), "{error}");
+    drop(first);
+    MergeLock::take(folder.path()).expect("the lock again");
 }
 
 #[test]
