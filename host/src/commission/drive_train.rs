@@ -10,8 +10,8 @@ use lashloop_bench::run::{
 };
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
@@ -111,13 +111,14 @@ impl DriveTrain for OnDevice<'_> {
             scenario.bench.load_travel_limit_rad = None;
         }
         let (supervisor, instruments) = (self.supervisor, self.instruments);
-        let mut watch = Watch { columns: Columns::default(), guard, halt: None, instruments, supervisor };
+        let (columns, in_force) = (Columns::default(), [Direction::Forward; 2]);
+        let mut watch = Watch { columns, guard, halt: None, in_force, instruments, supervisor };
         let name = &motion.name;
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
         let mut observers: Vec<&mut dyn StepObserver> = vec![&mut watch];
         observers.extend(writer.as_mut().map(|it| it as &mut dyn StepObserver));
         let outcome = run::run(&scenario, &mut device, self.clock, &mut Observers(observers))?;
-        let Watch { columns, guard, halt, .. } = watch;
+        let Watch { columns, guard, halt, in_force, .. } = watch;
         // An error ends the commissioning, and this the session.
         let device = self.drive.insert(device);
         if halt == Some(Halt::NotAtRest) {
@@ -132,12 +133,6 @@ impl DriveTrain for OnDevice<'_> {
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
         }
-        let session = &device.device.session;
-        let choice = |name: &str| {
-            let parameter = session.parameter(name)?;
-            parameter.choice(session.in_force(parameter)).map(str::to_owned)
-        };
-        let in_force = directions_in_force(scenario.run.mode, choice);
         let series = series(&columns, &self.instruments, in_force)
             .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
         Ok(Some(Made { series, halt, peaks: guard.peaks() }))
@@ -150,12 +145,19 @@ struct Watch<'a> {
     columns: Columns,
     guard: Guard,
     halt: Option<Halt>,
+    /// Directions that the drive has in force. Guard and series count as the encoders are wired.
+    in_force: [Direction; 2],
     instruments: Instruments,
     supervisor: &'a Supervisor,
 }
 
 impl StepObserver for Watch<'_> {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        let session = &start.device.session;
+        self.in_force = directions_in_force(start.scenario.run.mode, |name| {
+            let parameter = session.parameter(name)?;
+            parameter.choice(session.in_force(parameter)).map(str::to_owned)
+        });
         self.columns.begin(start)
     }
 
@@ -163,8 +165,9 @@ impl StepObserver for Watch<'_> {
         self.columns.step(step)?;
         if self.halt.is_none() {
             let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
-            let motor = counts(step.row.motor_position_rad, motor_counts_per_rev);
-            let load = counts(step.row.load_position_rad, load_counts_per_rev);
+            let [motor, load] = self.in_force.map(Direction::sign);
+            let motor = motor * counts(step.row.motor_position_rad, motor_counts_per_rev);
+            let load = load * counts(step.row.load_position_rad, load_counts_per_rev);
             self.halt = self.guard.check(motor, load);
         }
         Ok(())

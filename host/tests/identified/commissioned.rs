@@ -102,7 +102,13 @@ fn runs_of_the_open_loop_law_show_the_plant_of_the_scenario() {
 #[test]
 fn bench_mode_shows_the_same_plant_behind_the_pins() {
     // The encoders behind the pins count forward, whatever direction the drive has in force meanwhile.
-    let bench = ["run.mode=bench", "bench.torque_per_duty_nm=60", "bench.load_direction=reverse"];
+    let bench = [
+        "run.mode=bench",
+        "bench.torque_per_duty_nm=60",
+        "bench.load_direction=reverse",
+        "plant.initial.load_position_rad=1.0",
+        "plant.initial.motor_position_rad=4.0",
+    ];
     let Commissioned { identified, .. } = commissioned(&LIMITS, &bench).expect("estimates");
     let parameters = drive_toml(&identified, RunMode::Bench, |_| true);
     for name in ["motor_direction", "load_direction"] {
