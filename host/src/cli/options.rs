@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Command};
-use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::device::{self, DeviceChoice, kinds};
 use lashloop_bench::process_plant;
 use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_firmware::Laws;
 use lashloop_plant::Plants;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
@@ -21,10 +22,13 @@ pub(super) const DEFAULT_BAUD: u32 = 921_600;
 
 #[derive(Args)]
 pub(super) struct DeviceOption {
-    /// Drive: inproc, native, qemu, qemu:ELF, silicon, silicon:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT, or the
-    /// path of a terminal; see `lashloop run --help`
-    #[arg(long, global = true, default_value = "native", value_name = "DEVICE")]
+    #[arg(long, global = true, default_value = "native", value_name = "DEVICE", help = drive_help())]
     pub(super) device: DeviceChoice,
+}
+
+/// The text of `--device` in short.
+pub(super) fn drive_help() -> String {
+    format!("Drive: {}; see `lashloop run --help`", device::forms(&kinds::all::<Laws>()))
 }
 
 #[derive(Args)]

@@ -17,7 +17,7 @@ use lashloop_bench::verdict::Exit;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
-use super::options::plants;
+use super::options::{drive_help, plants};
 use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
@@ -37,16 +37,15 @@ use crate::workers;
 /// Run every scenario of files and folders, sweeps included, and print one table
 ///
 /// A scenario with `[sweep]` is many cases. A metric is compared with its baseline, if the scenario has one: NAME.baseline.toml
-/// next to NAME.toml. Exit code: the largest of any case, 2 if no case could be run. Skipped cases count as none.
+/// next to NAME.toml. Exit code: the largest of any case, 2 if no case could be run. Skipped cases do not affect
+/// the exit code.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Scenarios in TOML, or folders of them
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
 
-    /// Drive: inproc, native, qemu, qemu:ELF, silicon, silicon:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT, or the
-    /// path of a terminal; see `lashloop run --help`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
+    #[arg(long, default_value = "native", value_name = "DEVICE", help = drive_help())]
     device: DeviceChoice,
 
     /// Runs in parallel [default: number of cores; 1 in real time and on a drive that the bench does not start]

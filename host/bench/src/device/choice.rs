@@ -31,7 +31,7 @@ impl DeviceChoice {
     /// What is missing in the name, or all forms there are.
     pub fn parse(text: &str, kinds: &[Syntax]) -> Result<Self, String> {
         let kind = kinds.iter().find_map(|syntax| (syntax.parse)(text));
-        kind.unwrap_or_else(|| Err(expected(kinds))).map(|kind| Self(kind.into()))
+        kind.unwrap_or_else(|| Err(format!("expected {}", forms(kinds)))).map(|kind| Self(kind.into()))
     }
 
     /// This device for a run: in bench mode with the scenario's plant behind the pins, unless they are wired to hardware.
@@ -80,10 +80,12 @@ impl FromStr for DeviceChoice {
     }
 }
 
-fn expected(kinds: &[Syntax]) -> String {
+/// What to write for a device of these kinds, as a list.
+#[must_use]
+pub fn forms(kinds: &[Syntax]) -> String {
     let forms: Vec<_> = kinds.iter().map(|syntax| syntax.form).collect();
     let (last, others) = forms.split_last().expect("there are kinds");
-    format!("expected {} or {last}", others.join(", "))
+    format!("{} or {last}", others.join(", "))
 }
 
 impl fmt::Display for DeviceChoice {

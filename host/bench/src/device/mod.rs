@@ -36,7 +36,7 @@ pub mod twin;
 mod uart_socket;
 
 pub use built_in::BuiltIn;
-pub use choice::DeviceChoice;
+pub use choice::{DeviceChoice, forms};
 pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;
 pub use error::DeviceError;
