@@ -1,4 +1,4 @@
-//! The whole output of the chores of a gate, as `target/gate/CHORE.log`, and which of its lines are worth printing.
+//! The whole output of the chores of `cargo xtask test`, as `target/chores/CHORE.log`, and which of its lines are worth printing.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -30,7 +30,7 @@ const FAILURES: usize = 20;
 
 /// The folder of the logs.
 pub(crate) fn folder() -> PathBuf {
-    paths::root().join("target/gate")
+    paths::root().join("target/chores")
 }
 
 pub(crate) fn is_progress(line: &str) -> bool {

@@ -1,4 +1,4 @@
-//! The whole gate on two cores: which chores run at the same time.
+//! The whole test command on two cores: which chores run at the same time.
 //!
 //! A build needs both cores, an emulated board one, the network none. Tests that measure time, and drives in processes of
 //! their own with their timeouts, run when nothing else does.
@@ -44,10 +44,10 @@ pub(crate) fn run() -> Result<Counts> {
     reports::clear(&reports::folder())?;
     reports::clear(&log::folder())?;
     let mut sum = Counts::default();
-    let gate = Gate { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
+    let whole = Whole { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
     for lanes in STAGES {
         thread::scope(|scope| {
-            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| gate.run_lane(lane))).collect();
+            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| whole.run_lane(lane))).collect();
             for lane in lanes {
                 sum += lane.join().unwrap_or(Counts::FAILED);
             }
@@ -56,21 +56,21 @@ pub(crate) fn run() -> Result<Counts> {
     for line in reports::lines(&reports::folder())? {
         println!("{line}");
     }
-    for line in gate.recap.into_inner().unwrap_or_else(PoisonError::into_inner) {
+    for line in whole.recap.into_inner().unwrap_or_else(PoisonError::into_inner) {
         println!("{line}");
     }
     Ok(sum)
 }
 
-/// One run of the whole gate.
-struct Gate {
+/// One run of the whole test command.
+struct Whole {
     started: Instant,
     set_up: OnceLock<()>,
     /// Lines to repeat at the end.
     recap: Mutex<Vec<String>>,
 }
 
-impl Gate {
+impl Whole {
     fn run_lane(&self, chores: Lane) -> Counts {
         let mut sum = Counts::default();
         for &chore in chores {

@@ -10,7 +10,7 @@ use serde_json::Value;
 use tests::program;
 use tests::records::Records;
 
-/// A plant takes some 10 s of a core, so the gate has a few of them.
+/// A plant takes some 10 s of a core, so the whole test command has a few of them.
 const SEEDS: std::ops::Range<u64> = 7000..7004;
 /// Variable of the environment with other seeds, `FIRST..END`.
 const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
