@@ -47,15 +47,13 @@
 //! |---|---|
 //! | [`Bench`], [`run`], [`Outcome`] but for [`Outcome::details`], [`Error`], [`NoMetric`], [`UnknownName`] | this crate |
 //! | [`Device`] and the names of devices; [`Scenario`] as a value that is read and passed on; [`Verdict`]; [`Signal`] | this crate |
-//! | keys of scenarios, columns and files of a record, commands, options and exit codes | [documents] |
+//! | keys of scenarios, columns and files of a record, commands, options and exit codes | the documents in `docs` |
 //! | `ControlLaw`, `laws!`, `parameters!`, `signals!`, `image!`, `Measurement`, `ControlOutput`, `DriveParameters` | `lashloop-firmware` |
 //! | `Plant`, `PlantModel`, `Key`, `Release`, `Changes`, `Environment`, `Positions`, `PlantError`, `Signal` | `lashloop-plant` |
 //! | the wire protocol, by its version | `lashloop-protocol` |
 //!
 //! Everything else is for the program `lashloop` and changes without notice: the modules below, the fields of a
 //! [`Scenario`], and the rest of `lashloop-bench`.
-//!
-//! [documents]: https://github.com/lashloop/lashloop/tree/main/docs
 //!
 //! # The lab
 //!

@@ -1,4 +1,4 @@
-//! A map of what delay, jitter and loss of the line a law stands, from a campaign over these axes.
+//! A map of what delay, jitter and loss of the line a law tolerates, from a campaign over these axes.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 //! The time budget of a control period on a serial line, computed before a run, and the place of a line on a map of what
-//! delay, jitter and loss a law stands.
+//! delay, jitter and loss a law tolerates.
 //!
 //! | module | is |
 //! |---|---|

@@ -27,7 +27,7 @@ use super::output::outln;
 /// period.
 ///
 /// --measured PORT measures the round trip to a disarmed drive instead, and places the line on a map of the delay, jitter and
-/// loss that each law stands. Exit code 1 if the law of the scenario is outside its limit there; without a scenario, any law.
+/// loss that each law tolerates. Exit code 1 if the law of the scenario is outside its limit there; without a scenario, any law.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Scenario with period, telemetry and speed

@@ -49,7 +49,7 @@ impl Placing<'_> {
                 outln!("{placement}");
                 placement.is_inside(law)
             }
-            // Nothing shows that a law stands such a line.
+            // Nothing shows that a law tolerates such a line.
             Err(beyond @ PlaceError::Beyond { .. }) => {
                 outln!("{:<15}{}", "map", MapError::from(beyond));
                 false

@@ -23,7 +23,7 @@ use crate::rig::file::Loader;
 
 /// Write firmware to a drive, and confirm it by the drive's own report
 ///
-/// Finds the way that is there: a debug probe (probe-rs), the chip's boot loader over USB (dfu-util) or over a UART (stm32flash).
+/// Uses the first available way: a debug probe (probe-rs), the chip's boot loader over USB (dfu-util) or over a UART (stm32flash).
 /// The flash is read back. The drive then has to report build and board of the image: only that is "flashed". A running drive
 /// on --device enters its boot loader by request if a program reaches it there; without one, hold BOOT0 high during a reset
 /// first. Exit code 1 if the drive reports another build or the image has none, 2 if the image is for another board, 4 if no way
@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     /// Image of the firmware; without it, that of `cargo xtask image` for the board of the rig, else for the bare board
     elf: Option<PathBuf>,
 
-    /// Way onto the chip; without it, the first one that is there
+    /// Way onto the chip; without it, the first available one
     #[arg(long)]
     via: Option<Way>,
 

@@ -61,8 +61,8 @@ const INDEX: &str = "index.html";
 /// Reproduce the paper's figures and print its numbers next to ours
 ///
 /// Runs three plants and a slow sine under three laws: the cascaded PD law (before), the paper's compensation (after) and
-/// the fastest law, which inverts the gap along a braking curve (beyond). Writes figure-05.svg, figure-07.svg to
-/// figure-17.svg, and index.html with all of them.
+/// the fastest of Lashloop's own laws, which inverts the gap along a braking curve (beyond). Writes figure-05.svg,
+/// figure-07.svg to figure-17.svg, and index.html with all of them.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]

@@ -85,7 +85,7 @@ pub struct PowerStage {
     pub duty_max: Option<f64>,
 }
 
-/// `[limits]`: what the bench bears.
+/// `[limits]`: limits of the bench hardware.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
     /// Largest torque at the motor, either way.
@@ -105,7 +105,7 @@ pub struct Limits {
 /// `[loader]`: how firmware gets onto the chip.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Loader {
-    /// `None` for the first way that is there.
+    /// `None` for the first available way.
     pub via: Option<Way>,
     /// The chip, as probe-rs names it.
     pub chip: String,
@@ -187,7 +187,9 @@ fn read(root: &mut Section<'_>, file: &Path, parse: ParseDevice<'_>) -> Rig {
         power_stage: root
             .doc("Power stage of the drive. An absent key leaves the drive's default.")
             .section("power_stage", read_power_stage),
-        limits: root.doc("What the bench bears. A scenario can't exceed it.").section("limits", read_limits),
+        limits: root
+            .doc("Limits of the bench hardware. A scenario can't exceed them.")
+            .section("limits", read_limits),
         loader: root.doc("How `lashloop flash` reaches the chip.").section("loader", read_loader),
     }
 }
@@ -323,7 +325,7 @@ fn read_loader(loader: &mut Section<'_>) -> Loader {
     let docs = Way::ALL.iter().map(|way| Choice { name: way.name(), doc: way.meaning() }).collect();
     Loader {
         via: loader
-            .doc("The way; absent for the first one that is there, in this order.")
+            .doc("The way; absent for the first available one, in this order.")
             .choice_docs(docs)
             .optional_choice("via", &ways),
         chip: loader

@@ -36,7 +36,7 @@ pub enum LimitError {
     /// The reference leaves the travel, or moves too fast.
     #[error(
         "{scenario}: the reference reaches {reached:.6} {unit}; {} allows limits.{key} = {largest} {unit}: change [reference], \
-         or the rig file if the bench bears more",
+         or the rig file if the bench allows more",
         rig.display()
     )]
     Reference {

@@ -21,7 +21,7 @@ use crate::atomic_file::{GrowingFile, WriteError};
 /// How often packets reach the file.
 pub const FLUSH: Duration = Duration::from_millis(5);
 
-/// Capacity of the ring in bytes: a minute at 1 kHz.
+/// Capacity of the ring in bytes: half a minute at 1 kHz.
 const CAPACITY: usize = 1 << 22;
 
 /// Longest wait for the disk.

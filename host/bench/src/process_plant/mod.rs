@@ -8,9 +8,7 @@
 //! | `error` | what a process can do wrong |
 //!
 //! The bench writes one line and waits for one line, so the plant runs in lockstep and repeats bit for bit if the process does.
-//! Both sides write floating-point numbers with all their digits. [docs/extend/plant.md] has the protocol.
-//!
-//! [docs/extend/plant.md]: https://github.com/lashloop/lashloop/blob/main/docs/extend/plant.md
+//! Both sides write floating-point numbers with all their digits. `docs/extend/plant.md` has the protocol.
 
 mod error;
 mod lines;
