@@ -12,6 +12,7 @@ pub use crate::settings::{
 };
 use crate::settings::{FAILURES, FIRST, LAST, MAX_CASES, MISSING};
 use crate::sobol::DIMENSIONS;
+use crate::soundness;
 
 impl CampaignFile {
     /// Reads a text. `name` is the file's name in errors.
@@ -106,7 +107,7 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
         {
             root.reject_section(&format!("expects of {column}, which is no metric and no [[derive]]"));
         }
-        if let (Some(_), Some(problem)) = (expectation.confidence, population(file, expectation)) {
+        if let (Some(_), Some(problem)) = (expectation.confidence, soundness::population(file, expectation)) {
             root.reject_section(&format!("has an expectation with confidence, {problem}"));
         }
         let parts = file.parts.iter().map(|part| &part.name);
@@ -128,23 +129,6 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
             root.reject_section(&format!("has evidence of {of}, which is no metric and no [[derive]]"));
         }
         _ => {}
-    }
-}
-
-/// Why the runs of an expectation are no independent samples of one population, which a confidence interval needs.
-fn population(file: &CampaignFile, expectation: &Expectation) -> Option<&'static str> {
-    let mut parts = file.parts.iter().filter(|it| expectation.part.iter().all(|name| *name == it.name));
-    let is_sampled = parts.all(|part| part.method.is_sampled());
-    if expectation.variant.is_none() && file.variants.len() > 1 {
-        Some("which pools variants on the same points; add variant")
-    } else if !is_sampled {
-        Some(
-            "which covers a grid or a list, whose points are no samples; add part = a sampled part, or remove confidence",
-        )
-    } else if expectation.part.is_none() && file.parts.len() > 1 {
-        Some("which pools parts, whose points share their random streams; add part")
-    } else {
-        None
     }
 }
 
@@ -203,40 +187,14 @@ fn read_part(part: &mut Section<'_>) -> Part {
     if method == Method::List && axes.windows(2).any(|pair| pair[0].values.len() != pair[1].values.len()) {
         part.reject_section("is a list whose axes differ in their number of values; make them equal");
     }
-    check_order(part, method, &axes);
+    if let Some(problem) = soundness::points(method, &axes) {
+        part.reject_section(&problem);
+    }
     let keys: Vec<_> = axes.iter().flat_map(|axis| &axis.keys).collect();
     if let Some((_, key)) = keys.iter().enumerate().find(|(at, key)| keys[..*at].contains(key)) {
         part.reject_section(&format!("has {key} in two axes; each key has one"));
     }
     Part { name, method, points, axes }
-}
-
-/// A point that is repeated counts twice, and a map interpolates between neighbouring values.
-fn check_order(part: &Section<'_>, method: Method, axes: &[Axis]) {
-    let repeats = |axis: &&Axis| !axis.values.are_distinct();
-    let name = axes.iter().find(repeats).map_or("", Axis::name);
-    if method == Method::Grid && !name.is_empty() {
-        part.reject_section(&format!(
-            "is a grid that has a value of {name} twice; remove one, or take fewer points"
-        ));
-    }
-    if method == Method::List && !axes.is_empty() && axes.iter().all(|axis| repeats(&axis)) {
-        let mut rows = BTreeSet::new();
-        let row = |at| axes.iter().map(|axis| axis.values.at_index(at).setting()).collect::<Vec<_>>();
-        if let Some(at) = (0..axes[0].values.len()).find(|at| !rows.insert(row(*at))) {
-            part.reject_section(&format!("is a list whose row {at} repeats an earlier one; remove it"));
-        }
-    }
-    for axis in axes.iter().filter(|_| method == Method::Grid && axes.len() > 1) {
-        let Values::Listed(listed) = &axis.values else { continue };
-        let numbers: Option<Vec<_>> = listed.iter().map(AxisValue::number).collect();
-        if numbers.is_some_and(|it| !it.is_sorted() && !it.is_sorted_by(|one, next| one >= next)) {
-            part.reject_section(&format!(
-                "is a grid whose values of {} neither rise nor fall; sort them, because maps interpolate between neighbours",
-                axis.name()
-            ));
-        }
-    }
 }
 
 fn read_axis(axis: &mut Section<'_>, method: Method) -> Axis {

@@ -10,6 +10,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`settings`], [`axis`], [`mod@file`] | a campaign as data; the values of a key; the keys of its file |
+//! | `soundness` | points and expectations that no statistic or map can be made of |
 //! | [`draw`], [`sobol`] | numbers of random streams, Latin hypercubes and Sobol sequences by index |
 //! | [`campaign`], [`plan`] | scenarios and selection; from a number to a case and its settings |
 //! | [`cell`], [`row`] | one result: metrics or the reasons for their absence, and the line in the table |
@@ -53,6 +54,7 @@ pub mod settings;
 pub mod shard;
 pub mod shard_file;
 pub mod sobol;
+mod soundness;
 pub mod table;
 pub mod view;
 pub mod workers;

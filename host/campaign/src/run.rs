@@ -72,7 +72,7 @@ fn reason(error: &RunError) -> Option<String> {
         | RunError::TooFarToStart { .. }
         | RunError::Plant(_)
         | RunError::Integration(_) => Some(error.to_string()),
-        // Process id and last words differ from run to run.
+        // Process id and standard error differ from run to run.
         RunError::Device(DeviceError::Ended { name, status, .. }) => {
             Some(format!("the {name} ended, {status}"))
         }
