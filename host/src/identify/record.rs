@@ -40,8 +40,8 @@ pub fn directions_in_force(mode: RunMode, choice: impl Fn(&str) -> Option<String
     })
 }
 
-/// The series of a record, in counts as the encoders are wired: what they show is a setting of the drive, whatever it had in
-/// force.
+/// The series of a record, in counts as the encoders are wired: what they show is the setting that a drive needs, for any that
+/// it had in force.
 ///
 /// # Errors
 /// A column is missing, or the series is too short.

@@ -49,7 +49,7 @@ struct LockedFile {
 }
 
 impl RigLock {
-    /// Locks the rig with this device: under its name, which stays while the port of a chip in its boot loader is gone, and
+    /// Locks the rig with this device: under its name, which stays while a chip in its boot loader has no port, and
     /// under that of the terminal that it now points to, which has several names. `purpose` is what the program does, for the message of the next one.
     ///
     /// # Errors

@@ -101,7 +101,7 @@ fn runs_of_the_open_loop_law_show_the_plant_of_the_scenario() {
 
 #[test]
 fn bench_mode_shows_the_same_plant_behind_the_pins() {
-    // The encoders behind the pins count forward, whatever direction the drive has in force meanwhile.
+    // The encoders behind the pins count forward, for any direction that the drive has in force meanwhile.
     let bench = [
         "run.mode=bench",
         "bench.torque_per_duty_nm=60",
