@@ -8,6 +8,7 @@ use std::path::{self, Path, PathBuf};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::End;
+use lashloop_bench::session::printable;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
 use lashloop_record::trace::TIME;
@@ -22,7 +23,7 @@ use crate::bench::Bench;
 
 /// Run the scenario of a record again and compare the results
 ///
-/// The new run has the resolved scenario of the record, its device and its clock. Judged is what is the same each time: all of
+/// The new run has the resolved scenario of the record, its device and its clock; a program as the drive is named anew. Judged is what is the same each time: all of
 /// a run in lockstep; in real time, positions and torque up to the first step without a torque in time. Exit codes as
 /// `lashloop diff`.
 #[derive(Args)]
@@ -31,7 +32,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "DIR")]
     record: PathBuf,
 
-    /// Drive, see `lashloop run --help` [default: that of the record]
+    /// Drive, see `lashloop run --help` [default: that of the record, unless it is a program, exec:]
     #[arg(long, value_name = "DEVICE", conflicts_with = "rig")]
     device: Option<DeviceChoice>,
 
@@ -125,7 +126,18 @@ impl Arguments {
                         "the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"
                     ));
                 }
-                None => words.extend(["--device".into(), text("device")?]),
+                None => {
+                    let device = text("device")?;
+                    // A record may come from others, and reading it is not to start what it names.
+                    if let Some(named) = device.to_str().filter(|it| it.starts_with("exec:")) {
+                        let named = printable(named);
+                        return Err(format!(
+                            "the drive was a program, which a record does not start: give --device '{named}', whose path \
+                             begins in the present folder"
+                        ));
+                    }
+                    words.extend(["--device".into(), device]);
+                }
             },
         }
         words.extend(["--out".into(), out.into(), "--clock".into(), text("clock")?]);

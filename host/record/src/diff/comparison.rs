@@ -98,6 +98,9 @@ pub struct RecordHead {
     pub started: Option<String>,
     /// PASS, FAIL or INVALID; `None` if the run was interrupted before it had one.
     pub verdict: Option<String>,
+    /// The error that ended a run without a verdict; left out without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
     /// `complete`, or what ended the run.
     pub end: Option<String>,
     /// Whether the samples have the bits of the run, and are not rounded ones.
@@ -225,6 +228,7 @@ impl RecordHead {
             scenario: text(scenario.and_then(|it| it.get("name")).or(scenario)),
             started: text(files.entry("started")),
             verdict: of_summary("verdict"),
+            failure: files.record.failure.as_ref().map(|it| it.error.clone()),
             end: of_summary("end"),
             has_every_bit: files.has_every_bit,
             rows: files.record.trace.len(),

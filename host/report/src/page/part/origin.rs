@@ -187,6 +187,13 @@ fn rerun(run: &Run, manifest: &Manifest) -> Vec<String> {
     if let Some(rig) = &manifest.rig {
         let rig = Path::new(manifest.working_directory.as_deref().unwrap_or_default()).join(rig);
         words.extend(["--rig".to_owned(), rig.display().to_string()]);
+    } else if let Some(command) = manifest.device.strip_prefix("exec:") {
+        // `rerun` starts no program by the record alone. A relative path began in the folder of the run.
+        let is_relative = !command.starts_with(['/', '"', '\''])
+            && command.split(' ').next().is_some_and(|it| it.contains('/'));
+        let folder = manifest.working_directory.as_ref().filter(|_| is_relative);
+        let folder = folder.map(|it| format!("{it}/")).unwrap_or_default();
+        words.extend(["--device".to_owned(), format!("exec:{folder}{command}")]);
     }
     words
 }
