@@ -74,6 +74,15 @@ impl Arguments {
                     .to_owned(),
             )
         })?;
+        let part_s = part_s(&record);
+        let whole = DiffOptions::default();
+        let options = DiffOptions {
+            tolerances: Tolerances(self.judged.tolerance.clone()),
+            only: self.judged.only.clone(),
+            deterministic: true,
+            window_s: part_s.clone().unwrap_or(whole.window_s),
+        };
+        options.check_names(&record)?;
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let out = self.out.clone().unwrap_or_else(|| temporary.path().join("rerun"));
         let out = path::absolute(out).map_err(system("find the working directory"))?;
@@ -87,7 +96,6 @@ impl Arguments {
         let matches = with_device(RunWords::command(), bench).try_get_matches_from(words);
         let parsed = matches.and_then(|matches| RunWords::from_arg_matches(&matches));
         let executed = parsed.map_err(|error| unusable(error.to_string()))?.run.execute(bench)?;
-        let part_s = part_s(&record);
         if let Some(part_s) = part_s.as_ref().filter(|_| !self.judged.json) {
             outln!(
                 "The record has a part of its run, from {:.6} s to {:.6} s, and this part is compared; metrics and verdict are not \
@@ -96,13 +104,6 @@ impl Arguments {
                 part_s.end()
             );
         }
-        let whole = DiffOptions::default();
-        let options = DiffOptions {
-            tolerances: Tolerances(self.judged.tolerance),
-            only: self.judged.only,
-            deterministic: true,
-            window_s: part_s.unwrap_or(whole.window_s),
-        };
         let mut again = RecordFiles::read(&out)?;
         again.name = self.out.map_or_else(|| "this run".to_owned(), |out| out.display().to_string());
         let exit = print(&Comparison::new(&[record, again], &options)?, self.judged.json)?;

@@ -213,6 +213,17 @@ impl Comparison {
 }
 
 impl DiffOptions {
+    /// Checks the names against one record, before there is a second one.
+    ///
+    /// # Errors
+    /// The record has no signal and no metric of such a name.
+    pub fn check_names(&self, record: &RecordFiles) -> Result<(), DiffError> {
+        let summary = record.summary.as_ref();
+        let metrics = summary.map(|it| metrics::compare([it, it], &self.tolerances)).unwrap_or_default();
+        let signals = record.record.trace.columns.signals();
+        Ok(check_names(self, signals.iter().map(|it| &*it.name), &metrics)?)
+    }
+
     fn has(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|it| it == name)
     }
