@@ -15,7 +15,7 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Clock, Outcome, RunError, RunStart, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, Event, Outcome, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -272,6 +272,14 @@ impl StepObserver for SoakWatcher<'_> {
             self.growth.push(held);
         }
         Ok(())
+    }
+
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.shared.window().as_mut().map_or(Ok(()), |window| window.event(step, event))
+    }
+
+    fn failed(&mut self, error: &RunError) {
+        self.shared.window().iter_mut().for_each(|window| window.failed(error));
     }
 
     fn stop_asked(&self) -> bool {
