@@ -40,7 +40,7 @@ pub enum Error {
     #[error(transparent)]
     Metric(#[from] NoMetric),
     /// The outcome has no signal of this name.
-    #[error(transparent)]
+    #[error("{}: {}", .0.name, .0)]
     Signal(#[from] UnknownName),
     /// The system refused a thread.
     #[error("the thread for child processes can't be started: {0}; is the machine out of threads or memory?")]

@@ -19,7 +19,7 @@ pub struct Outcome {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoMetric {
     /// No metric has this name.
-    #[error(transparent)]
+    #[error("{}: {}", .0.name, .0)]
     Unknown(#[from] UnknownName),
     /// The run has no value for it.
     #[error("{name} has no value: {reason}")]

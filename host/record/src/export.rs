@@ -40,7 +40,7 @@ pub enum Format {
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// No column has this name.
-    #[error(transparent)]
+    #[error("{}: {}", .0.name, .0)]
     Unknown(#[from] UnknownName),
     /// Nothing is selected.
     #[error("no step of the record lies from {from_s} s to {until_s} s; it ends at {end_s} s")]

@@ -16,6 +16,8 @@ pub const COLUMNS_FILE: &str = "trace.json";
 pub const TIMING_FILE: &str = "timing.csv";
 /// The summary.
 pub const SUMMARY_FILE: &str = "summary.json";
+/// The error of a run without a summary.
+pub const FAILURE_FILE: &str = "failure.json";
 /// The page of `report`, or of `run --report`.
 pub const REPORT_FILE: &str = "report.html";
 /// The page of `report` for several records, in the folder of the first.
@@ -27,11 +29,12 @@ pub const EXPORT_FILES: [&str; 3] = ["export.csv", "export.parquet", "export.mca
 /// The link to the latest record, next to its folder.
 pub const LATEST: &str = "latest";
 
-/// Every file that a run may write, in the order in which a new record gets them. The trace is the first: from there on the
-/// folder holds a record. The manifest is the last: from there on the record is whole.
-pub const ALL: [&str; 8] = [
+/// Every file that a run may write, in the order in which a new record gets them. The manifest is the last: from there on
+/// the folder holds a record, whose beginning is whole.
+pub const ALL: [&str; 9] = [
     TRACE_FILE,
     SUMMARY_FILE,
+    FAILURE_FILE,
     TIMING_FILE,
     COLUMNS_FILE,
     SAMPLES_FILE,

@@ -1,15 +1,17 @@
 //! The folder of a record: it belongs to one run at a time, no record is overwritten without `--force`, and no other file ever.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Read};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{WriteError, remove_if_present};
 use lashloop_bench::resume;
+use serde::Deserialize;
+use toml_edit::DocumentMut;
 
 use crate::file_names::{
-    ALL, DERIVED, LATEST, MANIFEST_FILE, REFERENCE_FILE, REPORT_FILE, SCENARIO_FILE, SUMMARY_FILE, TRACE_FILE,
+    ALL, DERIVED, LATEST, MANIFEST_FILE, REFERENCE_FILE, REPORT_FILE, SCENARIO_FILE, TRACE_FILE,
 };
 
 /// Folder in which a record begins, until all its files are there.
@@ -90,6 +92,7 @@ impl RecordFolder {
         let failed = |source| FolderError::Create { path: path.to_owned(), source };
         fs::create_dir_all(path).map_err(failed)?;
         let lock = lock(path)?;
+        complete(path).map_err(failed)?;
         let folder = Self { path: path.to_owned(), force, _lock: lock };
         match content(path) {
             Content::Record(file) if !force => Err(FolderError::Taken { path: folder.path, file }),
@@ -147,6 +150,7 @@ impl RecordFolder {
     /// A file can't be removed.
     pub fn remove(self) -> Result<(), WriteError> {
         self.clear()?;
+        remove_folder(&self.path.join(NEW))?;
         let latest = self.path.with_file_name(LATEST);
         if fs::read_link(&latest).is_ok_and(|target| Some(target.as_os_str()) == self.path.file_name()) {
             remove_if_present(&latest)?;
@@ -171,23 +175,25 @@ impl RecordFolder {
             Content::Foreign(file) => Some(file),
             _ => None,
         };
+        let in_the_way = |problem: String| {
+            let source = io::Error::other(problem + "; name another folder");
+            WriteError { path: self.path.clone(), action: "written", source }
+        };
         if let Some(file) = later {
-            let problem = format!("{file} is there since the command began; name another folder");
-            let source = io::Error::other(problem);
-            return Err(WriteError { path: self.path.clone(), action: "written", source });
+            return Err(in_the_way(format!("{file} is there since the command began")));
         }
         let new = self.path.join(NEW);
         remove_folder(&new)?;
         let created = fs::create_dir(&new);
         created.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })?;
         let result = write(&new).and_then(|written| {
+            let has_table = |folder: &Path| folder.join(REFERENCE_FILE).exists();
+            if has_table(&new) && has_table(&self.path) && !self.owns(REFERENCE_FILE) {
+                return Err(in_the_way(format!("{REFERENCE_FILE} is there and part of no record")));
+            }
             self.clear()?;
-            ALL.into_iter().try_for_each(|name| match fs::rename(new.join(name), self.path.join(name)) {
-                Err(source) if source.kind() != ErrorKind::NotFound => {
-                    Err(WriteError { path: self.path.join(name), action: "written", source })
-                }
-                _ => Ok(()),
-            })?;
+            let moved = move_files(&new, &self.path);
+            moved.map_err(|(path, source)| WriteError { path, action: "written", source })?;
             Ok(written)
         });
         // What is left of it is empty, or the files of a record that did not begin; the first error says why.
@@ -207,10 +213,22 @@ impl RecordFolder {
     pub(crate) fn clear(&self) -> Result<(), WriteError> {
         match content(&self.path) {
             Content::Record(_) => {
-                DERIVED.iter().chain(&ALL).try_for_each(|file| remove_if_present(&self.path.join(file)))
+                let owned: Vec<_> = DERIVED.iter().chain(&ALL).filter(|file| self.owns(file)).collect();
+                owned.into_iter().try_for_each(|file| remove_if_present(&self.path.join(file)))
             }
             Content::Nothing | Content::Foreign(_) => Ok(()),
         }
+    }
+
+    /// Whether a file of this name is part of the record that the folder holds: a table of a reference only if the recorded
+    /// scenario names it.
+    fn owns(&self, file: &str) -> bool {
+        let names_table = || {
+            let text = fs::read_to_string(self.path.join(SCENARIO_FILE)).ok()?;
+            let document: DocumentMut = text.parse().ok()?;
+            Some(document.get("reference")?.get("file")?.as_str()? == REFERENCE_FILE)
+        };
+        file != REFERENCE_FILE || names_table() == Some(true)
     }
 
     /// Makes the symbolic link `latest`, next to the folder, point to it. A file or folder of this name stays.
@@ -244,19 +262,58 @@ fn lock(path: &Path) -> Result<Option<File>, FolderError> {
     }
 }
 
-/// A record has a manifest; one of format 1, which has neither manifest nor scenario, a trace or a summary.
+/// A record has a manifest; one of format 1, which has neither manifest nor scenario, a trace.
 fn content(folder: &Path) -> Content {
     let has = |name: &&str| fs::symlink_metadata(folder.join(name)).is_ok();
     let first = |names: &[&'static str]| names.iter().copied().find(|name| has(name));
-    if has(&MANIFEST_FILE) {
+    if has_manifest(folder) {
         return Content::Record(MANIFEST_FILE);
     }
-    let foreign = first(&[SCENARIO_FILE, REFERENCE_FILE]);
-    match (foreign, first(&[TRACE_FILE, SUMMARY_FILE])) {
-        (Some(file), _) => Content::Foreign(file),
-        (None, Some(file)) => Content::Record(file),
-        (None, None) => first(&ALL).or(first(&[REPORT_FILE])).map_or(Content::Nothing, Content::Foreign),
+    match first(&[MANIFEST_FILE, SCENARIO_FILE, REFERENCE_FILE]) {
+        Some(file) => Content::Foreign(file),
+        None if has_trace(folder) => Content::Record(TRACE_FILE),
+        None => first(&ALL).or(first(&[REPORT_FILE])).map_or(Content::Nothing, Content::Foreign),
     }
+}
+
+/// What every manifest has. A file of the user may have its name.
+#[derive(Deserialize)]
+struct ManifestHead {
+    #[serde(rename = "format")]
+    _format: u32,
+}
+
+fn has_manifest(folder: &Path) -> bool {
+    let text = fs::read(folder.join(MANIFEST_FILE)).unwrap_or_default();
+    serde_json::from_slice::<ManifestHead>(&text).is_ok()
+}
+
+/// Whether the folder has a table that begins as every trace does.
+fn has_trace(folder: &Path) -> bool {
+    const BEGIN: &[u8] = b"time_s,reference_rad,";
+    let mut found = Vec::new();
+    let read = File::open(folder.join(TRACE_FILE))
+        .and_then(|file| file.take(BEGIN.len() as u64).read_to_end(&mut found));
+    read.is_ok() && found == BEGIN
+}
+
+/// Ends the begin of a record that a kill has cut short between its renames.
+fn complete(folder: &Path) -> io::Result<()> {
+    let new = folder.join(NEW);
+    let is_in_both = |name: &&str| new.join(name).exists() && folder.join(name).exists();
+    if !has_manifest(&new) || ALL.iter().any(is_in_both) || folder.join(MANIFEST_FILE).exists() {
+        return Ok(());
+    }
+    move_files(&new, folder).map_err(|(_, source)| source)?;
+    fs::remove_dir(new)
+}
+
+/// Moves the files of a record in their order; an error has its file.
+fn move_files(from: &Path, to: &Path) -> Result<(), (PathBuf, io::Error)> {
+    ALL.into_iter().try_for_each(|name| match fs::rename(from.join(name), to.join(name)) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err((to.join(name), source)),
+        _ => Ok(()),
+    })
 }
 
 fn remove_folder(path: &Path) -> Result<(), WriteError> {

@@ -9,6 +9,7 @@
 //! | `trace.json` | the columns of `trace.csv` with their units | before the first step | [`trace`] |
 //! | `timing.csv` | timing of each control step, rounded | by whole rows | [`timing`] |
 //! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
+//! | `failure.json` | in place of a summary, the error that ended the run | at the end | [`failure`] |
 //!
 //! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, and [`diff`] compares two records. Chunks and rows are
 //! written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
@@ -20,6 +21,7 @@ pub mod columns;
 pub mod diff;
 mod digits;
 pub mod export;
+pub mod failure;
 pub mod file_names;
 pub mod folder;
 pub mod host_facts;

@@ -186,17 +186,14 @@ impl From<&Signal> for NamedUnit {
     }
 }
 
-/// Hashes of the files of a plant in a process.
-fn plant_files(scenario: &Scenario) -> Vec<FileHash> {
+/// Hashes of the files of a plant in a process; those that can't be read are warnings.
+fn plant_files(scenario: &Scenario, warnings: &mut Vec<String>) -> Vec<FileHash> {
     let plant = &scenario.plant;
     let files = match plant.model.name() {
         process_plant::NAME => process_plant::files(&plant.values, &plant.folder),
         _ => Vec::new(),
     };
-    let hash = |path: PathBuf| FileHash {
-        sha256: fs::read(&path).map_or_else(|error| error.to_string(), |bytes| sha256(&bytes)),
-        path: path.display().to_string(),
-    };
+    let hash = |path: PathBuf| FileHash::new(&path, fs::read(&path).map(|bytes| sha256(&bytes)), warnings);
     files.into_iter().map(hash).collect()
 }
 
@@ -211,6 +208,8 @@ impl Manifest {
         let law = session.laws.iter().find(|law| law.name == scenario.controller.name);
         let is_of_law = |it: &Parameter| law.is_none_or(|law| it.laws.contains(law.index));
         let parameter = |it| ParameterInForce::new(it, session.in_force(it), is_of_law(it));
+        let mut evidence = device.evidence();
+        let plant_files = plant_files(scenario, &mut evidence.warnings);
         Self {
             format: FORMAT,
             command_line: source.command_line.clone(),
@@ -233,8 +232,8 @@ impl Manifest {
             device: device.connection.choice.to_string(),
             rig: source.rig.clone(),
             device_description: device.description(),
-            evidence: device.evidence(),
-            plant_files: plant_files(scenario),
+            evidence,
+            plant_files,
             host: HostFacts::read(),
             versions: Versions::of(&session.identity),
             law: scenario.controller.name.clone(),

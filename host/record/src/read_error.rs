@@ -54,6 +54,9 @@ pub enum ReadFault {
     /// Not a summary.
     #[error("is not the summary of a run: {0}")]
     Summary(serde_json::Error),
+    /// Not a failure.
+    #[error("is not the failure of a run: {0}")]
+    Failure(serde_json::Error),
     /// Not a manifest.
     #[error("is not the manifest of a record: {0}")]
     Manifest(serde_json::Error),

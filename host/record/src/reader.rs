@@ -11,7 +11,10 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::columns::Columns;
-use crate::file_names::{COLUMNS_FILE, MANIFEST_FILE, SAMPLES_FILE, SUMMARY_FILE, TIMING_FILE, TRACE_FILE};
+use crate::failure::Failure;
+use crate::file_names::{
+    COLUMNS_FILE, FAILURE_FILE, MANIFEST_FILE, SAMPLES_FILE, SUMMARY_FILE, TIMING_FILE, TRACE_FILE,
+};
 use crate::manifest::Manifest;
 pub use crate::read_error::{ReadError, ReadFault};
 use crate::row::Row;
@@ -46,6 +49,8 @@ pub struct Record {
     pub logs: Vec<RecordedText>,
     /// Head of `summary.json`, if the run has a verdict.
     pub summary: Option<SummaryHead>,
+    /// Why there is no summary; `None` for a run that was killed, and with a summary.
+    pub failure: Option<Failure>,
 }
 
 /// Whether a record has all that its run was to leave.
@@ -217,7 +222,9 @@ impl Record {
             }
         };
         let summary = if_it_exists(SummaryHead::read(&folder.join(SUMMARY_FILE)))?;
-        Ok(Self { folder: folder.to_owned(), manifest, trace, timing, faults, logs, summary })
+        let failure = if_it_exists(read_json(&folder.join(FAILURE_FILE), ReadFault::Failure))?;
+        let failure = failure.filter(|_| summary.is_none());
+        Ok(Self { folder: folder.to_owned(), manifest, trace, timing, faults, logs, summary, failure })
     }
 
     /// The error of a record without rows.

@@ -40,13 +40,11 @@ impl RunSource {
     #[must_use]
     pub fn new(scenario: &Path, overrides: &[Override], plants: &Plants) -> Self {
         let text = fs::read(scenario).ok();
-        // With the defaults, if the file is a scenario without the overrides as well.
-        let resolved = || Scenario::from_file_with(scenario, &[], plants).ok()?.to_toml().ok();
-        let before = match (&text, overrides) {
-            (Some(text), [_, ..]) => resolved().or_else(|| String::from_utf8(text.clone()).ok()),
-            _ => None,
-        };
-        let before = before.and_then(|text| text.parse::<DocumentMut>().ok());
+        let of_file = || String::from_utf8(text.clone()?).ok()?.parse::<DocumentMut>().ok();
+        let before = of_file().filter(|_| !overrides.is_empty()).map(|mut document| {
+            document.remove("sweep");
+            with_defaults(scenario, &document, plants).unwrap_or(document)
+        });
         Self {
             command_line: command_line(),
             working_directory: working_directory(),
@@ -55,6 +53,13 @@ impl RunSource {
             rig: None,
         }
     }
+}
+
+/// The document with the defaults; `None` if it is no scenario without overrides.
+fn with_defaults(path: &Path, document: &DocumentMut, plants: &Plants) -> Option<DocumentMut> {
+    let name = path.to_str()?;
+    let scenario = Scenario::from_str_with(name, &document.to_string(), &[], plants).ok()?;
+    scenario.to_toml().ok()?.parse().ok()
 }
 
 /// The working directory of this process; `None` if it was removed.
@@ -133,5 +138,11 @@ mod tests {
         ];
         assert_eq!(was, want);
         assert_eq!(source.scenario_sha256.map(|it| it.len()), Some(64));
+        let folder = tempfile::tempdir().expect("a folder");
+        let swept = folder.path().join("swept.toml");
+        let sweep = "[[sweep.axis]]\nkey = \"encoders.noise_counts\"\nvalues = [0.1, 0.2]\n";
+        fs::write(&swept, fs::read_to_string(path).expect("a scenario") + sweep).expect("a scenario");
+        let source = RunSource::new(&swept, &[set("encoders.noise_counts=0.1")], &standard());
+        assert_eq!(source.overrides[0].was.as_deref(), Some("0.0"), "the default");
     }
 }

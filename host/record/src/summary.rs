@@ -199,7 +199,7 @@ mod tests {
             scenario: "scenarios/smooth-before.toml".to_owned(),
             device: "native twin".to_owned(),
             evidence: Evidence {
-                files: vec![FileHash { path: "lashloop".to_owned(), sha256: "11".repeat(32) }],
+                files: vec![FileHash { path: "lashloop".to_owned(), sha256: Some("11".repeat(32)) }],
                 bench_build: "build 1234abcd".to_owned(),
                 warnings: Vec::new(),
             },

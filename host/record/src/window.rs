@@ -5,9 +5,10 @@
 use std::collections::VecDeque;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{Event, RunStart, Step, StepObserver};
+use lashloop_bench::run::{Event, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::timing::StepOutcome;
 
+use crate::failure::Failure;
 use crate::folder::RecordFolder;
 use crate::source::RunSource;
 use crate::summary::Summary;
@@ -21,6 +22,7 @@ pub struct WindowRecorder {
     /// Events of the whole run, the latest ones.
     events: VecDeque<(u32, Event)>,
     around_s: f64,
+    failure: Option<Failure>,
 }
 
 /// A drive may log without end.
@@ -30,7 +32,13 @@ impl WindowRecorder {
     /// A window of `around_s` before and after.
     #[must_use]
     pub fn new(around_s: f64, source: RunSource) -> Self {
-        Self { source, beginning: None, ring: Ring::new(0), events: VecDeque::new(), around_s }
+        Self { source, beginning: None, ring: Ring::new(0), events: VecDeque::new(), around_s, failure: None }
+    }
+
+    /// Whether the run has begun. Before it, there is nothing to write.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.beginning.is_some()
     }
 
     /// Writes the window to a folder; without a summary for a run that has none.
@@ -52,6 +60,7 @@ impl WindowRecorder {
             events.try_for_each(|(at, event)| files.push_event(*at, event))
         };
         push(&mut files).map_err(|error| folder.named(error))?;
+        self.failure.map_or(Ok(()), |failure| failure.write(folder.path()))?;
         summary.map_or(Ok(()), |summary| files.finish(folder, summary))
     }
 }
@@ -74,6 +83,10 @@ impl StepObserver for WindowRecorder {
             self.events.pop_front();
         }
         Ok(())
+    }
+
+    fn failed(&mut self, error: &RunError) {
+        self.failure = Some(Failure { error: error.to_string() });
     }
 }
 

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{Event, RunStart, Step, StepObserver};
+use lashloop_bench::run::{Event, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::SignalTable;
 
+use crate::failure::Failure;
 use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::folder::RecordFolder;
 use crate::manifest::Manifest;
@@ -18,7 +19,7 @@ use crate::timing::{TimingRow, TimingWriter};
 use crate::trace::TraceWriter;
 
 /// Writes a record: what was run before the first step, every step, and the summary at the end. Dropped before the end, it
-/// leaves an interrupted record with every step so far.
+/// leaves a record without a summary, with every step so far.
 pub struct RecordWriter {
     folder: RecordFolder,
     source: RunSource,
@@ -80,6 +81,13 @@ impl StepObserver for RecordWriter {
     fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
         let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push_event(step, event));
         pushed.map_err(|error| self.folder.named(error))
+    }
+
+    fn failed(&mut self, error: &RunError) {
+        if self.files.is_some() {
+            // The run's own error counts; on a full disk the record lacks its text.
+            let _ = Failure { error: error.to_string() }.write(self.folder.path());
+        }
     }
 }
 

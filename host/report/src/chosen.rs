@@ -69,8 +69,7 @@ fn matches(sources: &[Source<'_>], patterns: &[String]) -> Result<Vec<String>, D
             .filter(|name| is_match(pattern, name) && !(is_wild && is_axis(name)))
             .collect();
         if hits.is_empty() {
-            let reason = UnknownName::new("the record", "signal", pattern, known);
-            return Err(DrawError::Signal { name: pattern.clone(), reason });
+            return Err(UnknownName::new("the record", "signal", pattern, known).into());
         }
         for hit in hits {
             if !found.iter().any(|other| other == hit) {

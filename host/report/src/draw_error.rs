@@ -20,13 +20,8 @@ pub enum DrawError {
         end_s: f64,
     },
     /// No record has the signal.
-    #[error("{name}: {reason}")]
-    Signal {
-        /// The signal as the user named it.
-        name: String,
-        /// The names there are.
-        reason: UnknownName,
-    },
+    #[error("{}: {}", .0.name, .0)]
+    Signal(#[from] UnknownName),
     /// Steps and time on one axis.
     #[error("{name} has no control period, so its axis is the number of the step; plot it apart")]
     Axes {

@@ -11,6 +11,8 @@ pub struct UnknownName {
     pub owner: &'static str,
     /// What was looked for, such as `law`.
     pub kind: &'static str,
+    /// The name, for a message that has not named it yet.
+    pub name: Box<str>,
     /// The name that was probably meant, if one resembles it.
     pub nearest: Option<String>,
     /// All names, separated by commas.
@@ -32,7 +34,7 @@ impl UnknownName {
         let nearest = known.iter().map(|known| (similarity(known), *known));
         let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(it, _)| *it >= MIN_SIMILARITY);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        Self { owner, kind, nearest: nearest.map(|(_, name)| name.to_owned()), known }
+        Self { owner, kind, name: name.into(), nearest: nearest.map(|(_, name)| name.to_owned()), known }
     }
 }
 

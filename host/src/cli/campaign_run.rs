@@ -206,7 +206,7 @@ impl Execution<'_> {
         let lockstep = ClockName::Lockstep;
         let opened = DeviceUnderTest::open(&first, self.device, lockstep, self.supervisor, |link| link)?;
         let files = opened.device.evidence().files;
-        let hashes: Vec<_> = files.into_iter().map(|file| file.sha256).collect();
+        let hashes: Vec<_> = files.into_iter().map(|file| file.sha256.unwrap_or(file.path)).collect();
         Ok(Program {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
             sha256: program_sha256().map_err(system("read this program"))?,

@@ -1,7 +1,6 @@
 //! `lashloop conformance`: whether a drive conforms to the protocol.
 
 use std::fmt::Display;
-use std::fs;
 use std::path::PathBuf;
 
 use crate::bench::Bench;
@@ -16,6 +15,7 @@ use lashloop_protocol::message::Identity;
 use super::error::{CliError, system};
 use super::options::{BaudOption, DeviceOption};
 use super::output::outln;
+use super::report_files;
 use super::supervision::start_supervisor;
 
 /// Check a drive against the protocol, rule by rule
@@ -65,7 +65,7 @@ impl Arguments {
             let ended_by = ended.as_ref().err().map(|error| error as &dyn Display).or(interrupted);
             let xml =
                 junit::report(&device, &results, ended_by).map_err(system("write the results as XML"))?;
-            fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
+            report_files::write(path, "--junit", &xml)?;
         }
         ended?;
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);

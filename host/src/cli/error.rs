@@ -46,8 +46,10 @@ pub(crate) enum CliError {
     Run(#[from] RunError),
     #[error("{}: can't be written: {source}; choose another folder with --out", path.display())]
     Output { path: PathBuf, source: io::Error },
-    #[error("{}: can't be written: {source}; choose another file with --junit", path.display())]
-    Report { path: PathBuf, source: io::Error },
+    #[error("{}: can't be written: {source}; choose another file with {option}", path.display())]
+    Report { path: PathBuf, option: &'static str, source: io::Error },
+    #[error("{}: the report would replace a scenario or its baseline; name another file", path.display())]
+    ReportOverInput { path: PathBuf },
     #[error(transparent)]
     Settings(SettingsError),
     #[error("{}: can't be read: {source}", path.display())]
@@ -154,6 +156,7 @@ impl CliError {
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }
+            | Self::ReportOverInput { .. }
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Folder(_)

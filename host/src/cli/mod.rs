@@ -40,6 +40,7 @@ mod progress;
 mod registry;
 mod replay;
 mod report;
+mod report_files;
 mod rerun;
 mod rig;
 mod run;

@@ -70,6 +70,10 @@ pub(super) struct ScenarioOptions {
 }
 
 impl ScenarioOptions {
+    pub(super) fn file(&self) -> &PathBuf {
+        &self.scenario
+    }
+
     /// The scenario, and what a record keeps of its origin. `more` applies after the settings.
     pub(super) fn read_with_source(
         self,

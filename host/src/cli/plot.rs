@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::bench::Bench;
 use crate::decode::series::{Series, series};
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use lashloop_bench::verdict::Exit;
 use lashloop_record::file_names::FIGURE_FILE;
 use lashloop_record::reader::Record;
@@ -16,6 +17,8 @@ use super::error::CliError;
 use super::output::{outln, write_bytes};
 use super::report::name_among;
 
+/// Formats of the figure, by the ending of its file in small letters.
+const ENDINGS: [&str; 2] = ["svg", PNG];
 const PNG: &str = "png";
 
 /// Plot records and captures: position, error, torque, gap, estimate, round trip, and any signal
@@ -38,7 +41,7 @@ pub(crate) struct Arguments {
     panels: Vec<String>,
 
     /// File for the figure, .svg or .png [default: record.svg in the first folder, or next to the first capture]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(figure_file))]
     out: Option<PathBuf>,
 
     /// Start of the plotted time, in s
@@ -66,12 +69,26 @@ impl Arguments {
             Selection { shown_s: from..=until, signals: self.signals.clone(), panels: panels.collect() };
         let svg = figure(&inputs, &selection)?.to_svg();
         let path = self.out.clone().unwrap_or_else(|| default_file(&self.records[0]));
-        match path.extension().and_then(|it| it.to_str()) {
+        match ending(&path).as_deref() {
             Some(PNG) => write_bytes(&path, &png::from_svg(&svg)?)?,
             _ => write_bytes(&path, svg.as_bytes())?,
         }
         outln!("figure: {}", path.display());
         Ok(Exit::Pass)
+    }
+}
+
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|it| it.to_string_lossy().to_ascii_lowercase())
+}
+
+/// A device such as /dev/stdout has no ending, and gets an SVG.
+fn figure_file(path: PathBuf) -> Result<PathBuf, String> {
+    match ending(&path) {
+        Some(other) if !ENDINGS.contains(&&*other) => {
+            Err(format!("a figure is an SVG or a PNG, not {other:?}: end the file in .svg or .png"))
+        }
+        _ => Ok(path),
     }
 }
 

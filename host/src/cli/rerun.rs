@@ -8,6 +8,7 @@ use std::path::{self, Path, PathBuf};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::End;
+use lashloop_bench::session::printable;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
 use lashloop_record::trace::TIME;
@@ -22,7 +23,7 @@ use crate::bench::Bench;
 
 /// Run the scenario of a record again and compare the results
 ///
-/// The new run has the resolved scenario of the record, its device and its clock. Judged is what is the same each time: all of
+/// The new run has the resolved scenario of the record, its device and its clock; a program as the drive is named anew. Judged is what is the same each time: all of
 /// a run in lockstep; in real time, positions and torque up to the first step without a torque in time. Exit codes as
 /// `lashloop diff`.
 #[derive(Args)]
@@ -31,7 +32,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "DIR")]
     record: PathBuf,
 
-    /// Drive, see `lashloop run --help` [default: that of the record]
+    /// Drive, see `lashloop run --help` [default: that of the record, unless it is a program, exec:]
     #[arg(long, value_name = "DEVICE", conflicts_with = "rig")]
     device: Option<DeviceChoice>,
 
@@ -73,6 +74,15 @@ impl Arguments {
                     .to_owned(),
             )
         })?;
+        let part_s = part_s(&record);
+        let whole = DiffOptions::default();
+        let options = DiffOptions {
+            tolerances: Tolerances(self.judged.tolerance.clone()),
+            only: self.judged.only.clone(),
+            deterministic: true,
+            window_s: part_s.clone().unwrap_or(whole.window_s),
+        };
+        options.check_names(&record)?;
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let out = self.out.clone().unwrap_or_else(|| temporary.path().join("rerun"));
         let out = path::absolute(out).map_err(system("find the working directory"))?;
@@ -86,7 +96,6 @@ impl Arguments {
         let matches = with_device(RunWords::command(), bench).try_get_matches_from(words);
         let parsed = matches.and_then(|matches| RunWords::from_arg_matches(&matches));
         let executed = parsed.map_err(|error| unusable(error.to_string()))?.run.execute(bench)?;
-        let part_s = part_s(&record);
         if let Some(part_s) = part_s.as_ref().filter(|_| !self.judged.json) {
             outln!(
                 "The record has a part of its run, from {:.6} s to {:.6} s, and this part is compared; metrics and verdict are not \
@@ -95,13 +104,6 @@ impl Arguments {
                 part_s.end()
             );
         }
-        let whole = DiffOptions::default();
-        let options = DiffOptions {
-            tolerances: Tolerances(self.judged.tolerance),
-            only: self.judged.only,
-            deterministic: true,
-            window_s: part_s.unwrap_or(whole.window_s),
-        };
         let mut again = RecordFiles::read(&out)?;
         again.name = self.out.map_or_else(|| "this run".to_owned(), |out| out.display().to_string());
         let exit = print(&Comparison::new(&[record, again], &options)?, self.judged.json)?;
@@ -125,7 +127,18 @@ impl Arguments {
                         "the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"
                     ));
                 }
-                None => words.extend(["--device".into(), text("device")?]),
+                None => {
+                    let device = text("device")?;
+                    // A record may come from others, and reading it is not to start what it names.
+                    if let Some(named) = device.to_str().filter(|it| it.starts_with("exec:")) {
+                        let named = printable(named);
+                        return Err(format!(
+                            "the drive was a program, which a record does not start: give --device '{named}', whose path \
+                             begins in the present folder"
+                        ));
+                    }
+                    words.extend(["--device".into(), device]);
+                }
             },
         }
         words.extend(["--out".into(), out.into(), "--clock".into(), text("clock")?]);

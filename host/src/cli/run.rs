@@ -24,7 +24,7 @@ use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::error_line;
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
-use super::{run_junit, run_report};
+use super::{report_files, run_junit, run_report};
 use crate::identify::gate::{self, Intervals, RecordedMotion};
 use crate::rig::check::check_board;
 use crate::suite::case_result::CaseResult;
@@ -85,17 +85,18 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let junit = self.junit.clone();
-        let ended = self.run_once(bench);
-        if let (Some(path), Err(error)) = (&junit, &ended) {
-            run_junit::write_error(path, error)?;
+        if let Some(path) = &junit {
+            report_files::check(path, std::slice::from_ref(self.scenario.file()))?;
         }
-        ended
-    }
-
-    fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
         let page = self.record.out.clone().filter(|_| self.report);
-        let Executed { scenario, summary, outcome } = self.execute(bench)?;
+        let Executed { scenario, summary, outcome } = self.execute(bench).inspect_err(|error| {
+            junit.iter().for_each(|path| run_junit::write_error(path, error));
+        })?;
         run_report::print(&scenario, &summary, &outcome);
+        if let Some(path) = &junit {
+            let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
+            run_junit::write(path, &result)?;
+        }
         // The run has its verdict, with or without its page.
         if let Some(folder) = page
             && let Err(error) = super::report::write(&folder)
@@ -129,6 +130,7 @@ impl Arguments {
         };
         let mut gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let folder = self.record.claim(Path::new(&scenario.name))?;
+        self.junit.as_deref().map_or(Ok(()), run_junit::begin)?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
         let watch = self.watch.start()?;
@@ -182,10 +184,6 @@ impl Arguments {
         captured?;
         departure?;
         watch.finish(&outcome, self.record.out.as_deref());
-        if let Some(path) = &self.junit {
-            let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
-            run_junit::write(path, &result)?;
-        }
         // A signal before this point would truncate the record.
         drop(signals);
         Ok(Executed { scenario, summary, outcome })

@@ -15,7 +15,7 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Clock, Outcome, RunError, RunStart, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, Event, Outcome, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -34,7 +34,7 @@ use super::supervision::start_supervisor;
 /// Repeat a scenario while faults of line and encoders rise
 ///
 /// Runs cycle through six levels, from no fault to 1 % of frames damaged. Faults follow from the scenario's seed and the
-/// number of the run. Each run opens the drive again. Answer timeout: 100 ms; longest silence: 10 s. Growth limits: 8 MiB
+/// number of the run. Each run opens the drive again; a first run without a step ends the soak. Answer timeout: 100 ms; longest silence: 10 s. Growth limits: 8 MiB
 /// and 4 descriptors for the bench after its first cycle, 8 MiB and 2 descriptors for the drive's process within a run.
 /// Exit code 1 if a run hangs (no step in --hang-limit), fails or exceeds a growth limit, if its verdict contradicts its counters,
 /// or if a damaged frame is not counted.
@@ -95,7 +95,13 @@ impl Arguments {
                 self.out.as_ref().map(|_| WindowRecorder::new(self.keep_around, source.clone()));
             let (result, summary) = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let window = shared.window().take();
-            let drive = watcher.growth;
+            let (drive, never_stepped) = (watcher.growth, watcher.step == 0);
+            let failed_at_once = result.is_err() && never_stepped && !supervisor.interrupted();
+            let result = match result {
+                // Run 0 has no faults: a repetition would fail alike.
+                Err(error) if failed_at_once && number == 0 => return Err(error.into()),
+                result => result,
+            };
             let bench = resource_usage::read(None).map_err(system("read /proc"))?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
@@ -116,6 +122,10 @@ impl Arguments {
             if let (Some(window), Some(folder), true) = (window, &self.out, tally.problems.len() > before) {
                 write_record(window, folder, number, summary.as_ref())?;
             }
+            drop(tally);
+            if failed_at_once {
+                thread::sleep(PAUSE);
+            }
         }
         let tally = shared.tally();
         outln!("");
@@ -124,6 +134,8 @@ impl Arguments {
     }
 }
 
+/// Before the run after one that had no step: what can't be started is not started as often as possible.
+const PAUSE: Duration = Duration::from_secs(1);
 const RUN_FOLDER: &str = "run-";
 
 /// Removes the records of an earlier soak: among those of this one they would be wrong.
@@ -145,6 +157,9 @@ fn write_record(
     number: u64,
     end: Option<&Summary>,
 ) -> Result<(), CliError> {
+    if !window.has_begun() {
+        return Ok(());
+    }
     let folder = RecordFolder::claim(&folder.join(format!("{RUN_FOLDER}{number}")), false)?;
     window.write(&folder, end)?;
     outln!("record {}", folder.path().display());
@@ -257,6 +272,14 @@ impl StepObserver for SoakWatcher<'_> {
             self.growth.push(held);
         }
         Ok(())
+    }
+
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.shared.window().as_mut().map_or(Ok(()), |window| window.event(step, event))
+    }
+
+    fn failed(&mut self, error: &RunError) {
+        self.shared.window().iter_mut().for_each(|window| window.failed(error));
     }
 
     fn stop_asked(&self) -> bool {

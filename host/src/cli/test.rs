@@ -20,8 +20,9 @@ use super::error::{CliError, system};
 use super::options::{drive_help, plants};
 use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
+use super::run;
 use super::supervision::start_supervisor;
-use super::{run, test_reports};
+use super::test_reports::TestReports;
 use crate::bench::Bench;
 use crate::journal::{Journal, JournalError, program_sha256};
 use crate::suite::baseline::{Baseline, path_of};
@@ -93,20 +94,28 @@ const RECORDS: &str = "records";
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let ended = self.run_suite(bench);
-        if let (Some(path), Err(error)) = (&self.junit, &ended) {
-            test_reports::write_error(path, error)?;
-        }
-        ended
+        let reports = TestReports { junit: self.junit.as_deref(), html: self.html.as_deref() };
+        let files = find(&self.paths);
+        reports.check(files.as_deref().unwrap_or(&self.paths))?;
+        let ended = files.map_err(CliError::from).and_then(|files| self.run_suite(&files, &reports, bench));
+        ended.inspect_err(|error| match error {
+            // The results of the earlier suite stay, and with them its reports.
+            CliError::Leftovers { .. } | CliError::Journal(JournalError::Resume(_)) => {}
+            error => reports.fail(error),
+        })
     }
 
-    fn run_suite(&self, bench: &Bench) -> Result<Exit, CliError> {
+    fn run_suite(
+        &self,
+        files: &[PathBuf],
+        reports: &TestReports<'_>,
+        bench: &Bench,
+    ) -> Result<Exit, CliError> {
         let started = Instant::now();
         let clock = self.clock.clock()?;
         let jobs = self.jobs(clock)?;
         let overrides: Vec<_> = self.set.iter().cloned().map(Override::Set).collect();
         let plants = plants(bench);
-        let files = find(&self.paths)?;
         let common = Common {
             device: &self.device,
             clock: clock.name(),
@@ -114,13 +123,13 @@ impl Arguments {
             plants: &plants,
             compares: !self.update,
         };
-        let cases = plan::cases(&files, &common);
+        let cases = plan::cases(files, &common);
         let mut tally = Tally::new(&cases);
         let mut journal = match &self.out {
             Some(folder) => Some(self.open_journal(folder, clock.name(), &mut tally)?),
             None => None,
         };
-        test_reports::remove([&self.html, &self.junit].into_iter().flatten())?;
+        reports.begin(&tally)?;
         let supervisor = start_supervisor()?;
         let records = self.out.as_ref().map(|folder| folder.join(RECORDS));
         let runner = Runner {
@@ -159,12 +168,7 @@ impl Arguments {
         let wall_s = started.elapsed().as_secs_f64();
         outln!("{}", Table { tally: &tally, wall_s });
         ended?;
-        if let Some(path) = &self.html {
-            test_reports::write_page(path, &tally, wall_s)?;
-        }
-        if let Some(path) = &self.junit {
-            test_reports::write_junit(path, &tally)?;
-        }
+        reports.finish(&tally, wall_s)?;
         match tally.conclusion() {
             Conclusion::Incomplete => {
                 let hint = if self.out.is_some() { "--resume completes it" } else { "--out keeps results" };

@@ -17,7 +17,7 @@ const ROUNDING_COUNTS: f64 = 1e-6;
 #[derive(Debug, thiserror::Error)]
 pub enum NoSeries {
     /// A column is missing.
-    #[error(transparent)]
+    #[error("{}: {}", .0.name, .0)]
     Column(#[from] UnknownName),
     /// The columns are unusable.
     #[error(transparent)]

@@ -1,9 +1,9 @@
 //! The results as a page for a browser, with a report of each record.
 
-use std::fs;
-use std::io::{self, ErrorKind};
-use std::path::{Component, Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Component, Path};
 
+use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_record::file_names::REPORT_FILE;
 use lashloop_record::reader::{ReadError, ReadFault};
 use lashloop_report::page::{Run, Suite, SuiteRow};
@@ -50,7 +50,7 @@ fn row(case: &Case, result: Option<&CaseResult>, page: &Path) -> SuiteRow {
 ///
 /// # Errors
 /// A report can't be written.
-pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, ReportError> {
+pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, WriteError> {
     let mut unreadable = Vec::new();
     for (case, result) in tally.rows() {
         let Some(record) = &result.record else { continue };
@@ -66,18 +66,10 @@ pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, ReportError> {
                 continue;
             }
         };
-        let path = record.join(REPORT_FILE);
-        let written = fs::write(&path, lashloop_report::page::run(&run));
-        written.map_err(|source| ReportError { path, source })?;
+        let text = lashloop_report::page::run(&run);
+        write_whole(&record.join(REPORT_FILE), ".report-", |file| file.write_all(text.as_bytes()))?;
     }
     Ok(unreadable)
-}
-
-/// A report that can't be written.
-#[derive(Debug)]
-pub struct ReportError {
-    pub path: PathBuf,
-    pub source: io::Error,
 }
 
 /// The address of a file for a link on a page.
@@ -100,6 +92,8 @@ fn relative(page: &Path, file: &Path) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::suite::case_result::Status;
     use crate::suite::plan::Job;

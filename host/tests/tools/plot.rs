@@ -261,8 +261,10 @@ fn a_capture_has_the_torques_of_the_record_on_the_same_axis() {
 fn a_figure_is_a_picture_if_its_name_ends_so() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
-    let figure = runs.folder("one.png");
+    let figure = runs.folder("one.PNG");
     plot(&[&one, Path::new("--out"), &figure]).unwrap();
+    let refused = plot(&[&one, Path::new("--out"), Path::new("one.pdf")]).unwrap_err();
+    assert!(refused.contains("end the file in .svg or .png"), "{refused}");
     let picture = fs::read(figure).unwrap();
     assert_eq!(picture[..8], *b"\x89PNG\r\n\x1a\n");
     assert!(picture.len() > 20_000, "{} bytes", picture.len());

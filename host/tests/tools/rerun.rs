@@ -60,13 +60,17 @@ fn rerun_on_another_device_has_the_same_bits_and_names_the_device() {
 fn changed_build_and_changed_gain_are_named() {
     let runs = Runs::new();
     let record = runs.run("a", &[]);
-    change(&record, |manifest| manifest["versions"]["firmware_build"] = json!("0badc0de"));
+    change(&record, |manifest| {
+        manifest["versions"]["firmware_build"] = json!("0badc0de\u{1b}[2J");
+        manifest["started"] = json!("\u{9b}31m");
+    });
     let (code, printed) = rerun(&record, &["--set", "controller.parameters.k_p2=10.5"]);
     assert_eq!(code, Some(1), "{printed}");
     for words in ["firmware_build", "0badc0de", "controller.parameters.k_p2", "First difference: step 0"] {
         assert!(printed.contains(words), "no {words:?} in {printed}");
     }
     assert!(printed.lines().any(|line| line.trim_start().starts_with("parameter  k_p2")), "{printed}");
+    assert!(!printed.contains(['\u{1b}', '\u{9b}']), "a record controls the terminal: {printed:?}");
 }
 
 /// A process that ends with the test.
@@ -222,6 +226,10 @@ fn record_of_a_part_is_compared_with_this_part() {
 fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     let runs = Runs::new();
     let record = runs.run("a", &[]);
+    let out = runs.folder("b");
+    let (code, printed) = rerun(&record, &["--tolerance", "nope=1", "--out", out.to_str().unwrap()]);
+    let names_it = printed.contains("nope: the comparison has no signal or metric");
+    assert!(code == Some(2) && names_it && !out.exists(), "{code:?}: {printed}");
     change(&record, |manifest| manifest["parameters"][3]["name"] = json!("brake_gain"));
     let (code, printed) = replay(&record, &["--device", "inproc"]);
     assert!(code == Some(2) && printed.contains("no parameter brake_gain"), "{code:?}: {printed}");

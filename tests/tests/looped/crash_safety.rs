@@ -81,6 +81,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
     for flush_rows in [1, 100, 1000] {
         let records = Records::new();
         fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
+        fs::write(records.path("trace.csv"), "time_s,reference_rad,\n").expect("the trace of an earlier run");
         let setting = format!("record.flush_rows={flush_rows}");
         let (code, stderr) = with_files_up_to(400, &records, &[&setting]);
         assert_eq!(code, Some(2), "{stderr}");

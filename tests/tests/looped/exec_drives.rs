@@ -45,7 +45,9 @@ fn a_changed_program_is_named_with_the_first_step_that_differs() {
         [format!("exec:{}", drive.display()), folder.path().join("a").display().to_string()];
     let short = ["--set", "run.duration_s=0.2", "--set", "expect=[]", "--out", &record];
     let _ = program::run(["run", SCENARIO, "--device", &device].iter().chain(&short)).with_code(0);
-    let _ = program::run(["rerun", &record]).with_code(0);
+    let refused = program::run(["rerun", &record]).with_code(2);
+    assert!(refused.stderr.contains(&format!("give --device '{device}'")), "{}", refused.stderr);
+    let _ = program::run(["rerun", &record, "--device", &device]).with_code(0);
 
     let example = workspace().join("examples/drive-in-c");
     fs::create_dir(&source).expect("a folder");
@@ -63,7 +65,7 @@ fn a_changed_program_is_named_with_the_first_step_that_differs() {
         .expect("make starts");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     fs::rename(folder.path().join("drive.new"), &drive).expect("another drive of this name");
-    let rerun = program::run(["rerun", &record]).with_code(1);
+    let rerun = program::run(["rerun", &record, "--device", &device]).with_code(1);
     for words in ["sha256 of drive", "First difference: step 0,", "torque_nm"] {
         assert!(rerun.stdout.contains(words), "no {words:?} in {}", rerun.stdout);
     }

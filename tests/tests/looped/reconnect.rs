@@ -147,6 +147,13 @@ fn a_drive_that_stays_away_ends_the_run_with_exit_code_4() {
     let ended = program::run(arguments.into_iter().chain(["--set", "link.resume_limit_ms=500"])).with_code(4);
     assert!(ended.stderr.contains("the far end closed the line"), "{}", ended.stderr);
     assert_eq!((records.trace().len(), records.summary_text()), (2_000, None));
+    let failure = records.record().failure.expect("why there is no summary").error;
+    assert!(failure.contains("the far end closed the line"), "{failure}");
+    let compared = program::run(["diff", &out, &out]).with_code(1).stdout;
+    assert!(compared.contains("no verdict: the far end") || compared.contains(&failure), "{compared}");
+    let _ = program::run(["report", &out]).with_code(0);
+    let page = std::fs::read_to_string(records.path("report.html")).expect("a page");
+    assert!(page.contains("The run failed at 1.999 s"), "no reason on the page");
 }
 
 #[test]

@@ -34,10 +34,10 @@ fn a_minute_of_rising_faults_leaves_nothing_wrong() {
 }
 
 /// A soak in its midst, and the process of its drive.
-fn in_its_midst() -> (Running, u32) {
+fn in_its_midst(more: &[&str]) -> (Running, u32) {
     let endless = "run.duration_s=100000";
     let arguments = ["soak", "scenarios/smooth-after.toml", "--for", "1h", "--set", endless];
-    let bench = Running::start(arguments);
+    let bench = Running::start(arguments.iter().chain(more));
     let drive = wait::until("the drive of the soak", || processes::children(bench.id()).first().copied());
     // It is a drive when it has become one; before that it is the bench that starts it.
     wait::until("the run", || (processes::cpu_ticks(drive) > 2).then_some(()));
@@ -46,7 +46,7 @@ fn in_its_midst() -> (Running, u32) {
 
 #[test]
 fn an_interrupted_soak_ends_with_the_summary_so_far() {
-    let (bench, drive) = in_its_midst();
+    let (bench, drive) = in_its_midst(&[]);
     bench.signal(Signal::INT);
     let ended = bench.wait().with_code(0);
     assert!(ended.stdout.contains("1 runs, interrupted after "), "{}", ended.stdout);
@@ -56,7 +56,8 @@ fn an_interrupted_soak_ends_with_the_summary_so_far() {
 
 #[test]
 fn a_drive_that_dies_in_a_soak_is_wrong_and_the_soak_goes_on() {
-    let (bench, drive) = in_its_midst();
+    let folder = tempfile::tempdir().expect("a folder");
+    let (bench, drive) = in_its_midst(&["--out", &folder.path().display().to_string()]);
     processes::signal(drive, Signal::KILL);
     let next = wait::until("the next run", || {
         processes::children(bench.id()).first().copied().filter(|id| *id != drive)
@@ -66,6 +67,18 @@ fn a_drive_that_dies_in_a_soak_is_wrong_and_the_soak_goes_on() {
     let ended = bench.wait().with_code(1);
     assert!(ended.stdout.contains("WRONG run 0: ") && ended.stdout.contains("signal: 9"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("\nFAIL\n"), "{}", ended.stdout);
+    let failure = fs::read_to_string(folder.path().join("run-0/failure.json")).expect("why it ended");
+    assert!(failure.contains("signal: 9"), "{failure}");
+}
+
+#[test]
+fn a_soak_of_a_drive_that_can_not_be_started_ends_at_once() {
+    let out = tempfile::tempdir().expect("a folder");
+    let folder = out.path().display().to_string();
+    let soak = ["soak", "scenarios/faults.toml", "--for", "1h", "--device", "exec:false", "--out", &folder];
+    let ended = program::run(soak).with_code(4);
+    assert!(ended.stderr.contains("exec:false") && ended.stdout.is_empty(), "{}", ended.stderr);
+    assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0, "no record");
 }
 
 #[test]

@@ -39,8 +39,8 @@ pub struct Evidence {
 pub struct FileHash {
     /// Path at the start of the session.
     pub path: String,
-    /// SHA-256 of the contents in hexadecimal, or why they can't be read.
-    pub sha256: String,
+    /// SHA-256 of the contents in hexadecimal; `None` if they can't be read, which is a warning.
+    pub sha256: Option<String>,
 }
 
 /// The files of an open drive. They are held open, so that a build that replaces them changes no hash.
@@ -76,18 +76,23 @@ impl OpenFiles {
     }
 
     pub(super) fn evidence(&self, identity: &Identity) -> Evidence {
-        let hash = |(path, file): &(PathBuf, io::Result<File>)| FileHash {
-            path: path.display().to_string(),
-            sha256: match file {
-                Ok(file) => sha256(file).unwrap_or_else(|error| error.to_string()),
-                Err(error) => error.to_string(),
-            },
+        let mut warnings = self.warnings(identity);
+        let hash = |(path, file): &(PathBuf, io::Result<File>)| match file {
+            Ok(file) => FileHash::new(path, sha256(file), &mut warnings),
+            Err(error) => FileHash::new(path, Err(error), &mut warnings),
         };
-        Evidence {
-            files: self.files.iter().map(hash).collect(),
-            bench_build: Build::OF_BENCH.to_string(),
-            warnings: self.warnings(identity),
-        }
+        let files = self.files.iter().map(hash).collect();
+        Evidence { files, bench_build: Build::OF_BENCH.to_string(), warnings }
+    }
+}
+
+impl FileHash {
+    /// A file by what hashing it gave. A file that can't be read is a warning.
+    pub fn new(path: &Path, hashed: Result<String, impl fmt::Display>, warnings: &mut Vec<String>) -> Self {
+        let path = path.display().to_string();
+        let unread = |error| warnings.push(format!("{path} can't be read, so its hash is unknown: {error}"));
+        let sha256 = hashed.map_err(unread).ok();
+        Self { path, sha256 }
     }
 }
 

@@ -32,8 +32,18 @@ use lashloop_session::{Session, Traffic};
 ///
 /// # Errors
 /// The scenario does not fit the drive, the device or the link failed, or the record could not be written. The observer
-/// has received every step up to then.
+/// has received every step up to then, and the error.
 pub fn run(
+    scenario: &Scenario,
+    under_test: &mut DeviceUnderTest,
+    clock: Clock,
+    observer: &mut dyn StepObserver,
+) -> Result<Outcome, RunError> {
+    let ended = observed(scenario, under_test, clock, observer);
+    ended.inspect_err(|error| observer.failed(error))
+}
+
+fn observed(
     scenario: &Scenario,
     under_test: &mut DeviceUnderTest,
     clock: Clock,

@@ -53,6 +53,9 @@ pub trait StepObserver {
     fn stop_asked(&self) -> bool {
         false
     }
+
+    /// The run has no outcome, because of this error: device, link or record failed, or the scenario does not fit the drive.
+    fn failed(&mut self, _error: &RunError) {}
 }
 
 /// Several observers of one run, in this order.
@@ -73,6 +76,10 @@ impl StepObserver for Observers<'_> {
 
     fn stop_asked(&self) -> bool {
         self.0.iter().any(|it| it.stop_asked())
+    }
+
+    fn failed(&mut self, error: &RunError) {
+        self.0.iter_mut().for_each(|it| it.failed(error));
     }
 }
 

@@ -98,6 +98,9 @@ pub struct RecordHead {
     pub started: Option<String>,
     /// PASS, FAIL or INVALID; `None` if the run was interrupted before it had one.
     pub verdict: Option<String>,
+    /// The error that ended a run without a verdict; left out without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
     /// `complete`, or what ended the run.
     pub end: Option<String>,
     /// Whether the samples have the bits of the run, and are not rounded ones.
@@ -210,6 +213,17 @@ impl Comparison {
 }
 
 impl DiffOptions {
+    /// Checks the names against one record, before there is a second one.
+    ///
+    /// # Errors
+    /// The record has no signal and no metric of such a name.
+    pub fn check_names(&self, record: &RecordFiles) -> Result<(), DiffError> {
+        let summary = record.summary.as_ref();
+        let metrics = summary.map(|it| metrics::compare([it, it], &self.tolerances)).unwrap_or_default();
+        let signals = record.record.trace.columns.signals();
+        Ok(check_names(self, signals.iter().map(|it| &*it.name), &metrics)?)
+    }
+
     fn has(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|it| it == name)
     }
@@ -225,6 +239,7 @@ impl RecordHead {
             scenario: text(scenario.and_then(|it| it.get("name")).or(scenario)),
             started: text(files.entry("started")),
             verdict: of_summary("verdict"),
+            failure: files.record.failure.as_ref().map(|it| it.error.clone()),
             end: of_summary("end"),
             has_every_bit: files.has_every_bit,
             rows: files.record.trace.len(),

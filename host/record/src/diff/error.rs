@@ -37,6 +37,6 @@ pub enum DiffError {
         until_s: f64,
     },
     /// A tolerance or choice names neither a signal nor a metric.
-    #[error(transparent)]
+    #[error("{}: {}", .0.name, .0)]
     Name(#[from] UnknownName),
 }

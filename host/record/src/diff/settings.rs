@@ -165,7 +165,13 @@ impl Settings {
             let text = |key: &str| file.get(key).map(plain).unwrap_or_default();
             let path = text("path");
             let name = path.rsplit('/').next().unwrap_or(&path);
-            self.0.insert((group, format!("sha256 of {name}")), text("sha256"));
+            // Two files may share their name: those of a drive have an order.
+            let key = |number: usize| match number {
+                1 => format!("sha256 of {name}"),
+                number => format!("sha256 of {name} ({number})"),
+            };
+            let free = (1..).map(key).find(|key| !self.0.contains_key(&(group, key.clone())));
+            self.0.extend(free.map(|key| ((group, key), text("sha256"))));
         }
     }
 }
@@ -243,6 +249,17 @@ mod tests {
                 (Group::Host, "kernel".to_owned(), some("6.1"), some("6.2")),
             ]
         );
+    }
+
+    #[test]
+    fn two_files_of_one_name_are_both_compared() {
+        let of = |second: &str| {
+            let file = |path: &str, sha256: &str| json!({"path": path, "sha256": sha256});
+            let files = json!([file("/a/main.py", "1"), file("/b/main.py", second)]);
+            Settings::new(Some(&json!({"plant_files": files})), None)
+        };
+        let name = "sha256 of main.py (2)".to_owned();
+        assert_eq!(found(&of("2"), &of("3")), [(Group::Run, name, some("2"), some("3"))]);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use lashloop_bench::session::printable;
+
 use super::comparison::{Agreement, Comparison};
 use super::figure::{exact, figure};
 use super::metrics::MetricDifference;
@@ -51,17 +53,19 @@ impl Comparison {
 
     fn write_heads(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (letter, head) in ["A", "B"].iter().zip(&self.records) {
-            let verdict = head.verdict.as_deref().unwrap_or("no verdict, the run was interrupted");
+            let verdict = match (&head.verdict, &head.failure) {
+                (Some(verdict), _) => verdict.clone(),
+                (None, Some(failure)) => format!("no verdict: {failure}"),
+                (None, None) => "no verdict, the run was interrupted".to_owned(),
+            };
             let end = head.end.as_deref().filter(|end| *end != "complete").map(|end| format!(" ({end})"));
             let scenario = head.scenario.as_ref().map(|name| format!("; {name}")).unwrap_or_default();
             let started = head.started.as_ref().map(|it| format!("; {it}")).unwrap_or_default();
             let (name, rows) = (&head.name, head.rows);
             let rounded = if head.has_every_bit { "" } else { " of trace.csv, rounded, without run.mcap" };
-            writeln!(
-                out,
-                "{letter}  {name}: {verdict}{}; {rows} rows{rounded}{scenario}{started}",
-                end.unwrap_or_default()
-            )?;
+            let end = end.unwrap_or_default();
+            let line = format!("{letter}  {name}: {verdict}{end}; {rows} rows{rounded}{scenario}{started}");
+            writeln!(out, "{}", printable(&line))?;
         }
         Ok(())
     }
@@ -153,11 +157,12 @@ impl Comparison {
     fn write_signals(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (letter, names) in ["A", "B"].iter().zip(&self.signals_of_one) {
             if !names.is_empty() {
-                writeln!(out, "Only in {letter}: {}", names.join(", "))?;
+                writeln!(out, "Only in {letter}: {}", printable(&names.join(", ")))?;
             }
         }
         for (name, [a, b]) in &self.signals_of_two_units {
-            writeln!(out, "Not compared: {name} is in {a} in A and in {b} in B")?;
+            let line = format!("Not compared: {name} is in {a} in A and in {b} in B");
+            writeln!(out, "{}", printable(&line))?;
         }
         if let Some(first) = &self.first {
             writeln!(out, "\nFirst difference: step {}, {} s", first.at.step, figure(first.at.time_s))?;
@@ -259,7 +264,7 @@ fn write_table<const N: usize>(
     left: usize,
 ) -> fmt::Result {
     let mut table = vec![heads.map(str::to_owned)];
-    table.extend(rows);
+    table.extend(rows.map(|row| row.map(|cell| printable(&cell))));
     let widths: [usize; N] =
         std::array::from_fn(|column| table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
     if !title.is_empty() {

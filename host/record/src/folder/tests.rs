@@ -1,5 +1,8 @@
 use super::*;
 
+const MANIFEST: &str = r#"{"format": 2}"#;
+const TRACE: &str = "time_s,reference_rad,load_position_rad\n";
+
 fn claim(path: &Path, force: bool) -> Result<RecordFolder, String> {
     RecordFolder::claim(path, force).map_err(|error| error.to_string())
 }
@@ -15,7 +18,10 @@ fn files(path: &Path) -> Vec<String> {
 /// Writes these files as the begin of a record.
 fn begin(folder: &RecordFolder, names: &[&str]) -> Result<(), WriteError> {
     folder.begin(|new| {
-        names.iter().for_each(|name| fs::write(new.join(name), "new").expect("a file"));
+        for name in names {
+            let text = if *name == MANIFEST_FILE { MANIFEST } else { "new" };
+            fs::write(new.join(name), text).expect("a file");
+        }
         Ok(())
     })
 }
@@ -28,7 +34,7 @@ fn a_record_is_replaced_only_by_force() {
     fs::write(path.join("notes.txt"), "mine").expect("a file");
     drop(claim(&path, false).expect("a folder without a record"));
     for name in ["trace.csv", "record.svg", "comparison.html", "export.csv", "summary.json"] {
-        fs::write(path.join(name), "old").expect("a file");
+        fs::write(path.join(name), TRACE).expect("a file");
     }
     let refused = claim(&path, false).expect_err("a record");
     assert!(refused.contains("(trace.csv)") && refused.contains("--force"), "{refused}");
@@ -44,7 +50,7 @@ fn a_begin_that_fails_leaves_the_old_record_whole() {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path();
     for name in ["trace.csv", "record.json", "report.html"] {
-        fs::write(path.join(name), "old").expect("a file");
+        fs::write(path.join(name), MANIFEST).expect("a file");
     }
     let claimed = claim(path, true).expect("by force");
     let full = |new: &Path| {
@@ -55,23 +61,62 @@ fn a_begin_that_fails_leaves_the_old_record_whole() {
     let error = claimed.begin(full).expect_err("a full disk");
     assert_eq!(error.path, path.join("run.mcap"), "the name that the user knows");
     assert_eq!(files(path), ["record.json", "report.html", "trace.csv"]);
-    assert_eq!(fs::read_to_string(path.join("trace.csv")).expect("a trace"), "old");
+    assert_eq!(fs::read_to_string(path.join("trace.csv")).expect("a trace"), MANIFEST);
+}
+
+#[test]
+fn a_begin_that_was_killed_between_its_renames_blocks_no_folder() {
+    let parent = tempfile::tempdir().expect("a folder");
+    let path = parent.path();
+    fs::create_dir(path.join(NEW)).expect("a folder");
+    for name in ["trace.csv", "run.mcap", "scenario.toml", ".new/record.json"] {
+        fs::write(path.join(name), MANIFEST).expect("a file");
+    }
+    let refused = claim(path, false).expect_err("a record without a step");
+    assert!(refused.contains("(record.json)"), "{refused}");
+    assert_eq!(files(path), ["record.json", "run.mcap", "scenario.toml", "trace.csv"]);
+    begin(&claim(path, true).expect("by force"), &["trace.csv", "record.json"]).expect("a begin");
+    assert_eq!(files(path), ["record.json", "trace.csv"]);
+}
+
+#[test]
+fn a_table_that_the_recorded_scenario_does_not_name_is_of_the_user() {
+    for (scenario, is_of_record) in [("", false), ("[reference]\nfile = \"reference.csv\"\n", true)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path();
+        for (name, text) in
+            [("record.json", MANIFEST), ("scenario.toml", scenario), ("reference.csv", "by hand")]
+        {
+            fs::write(path.join(name), text).expect("a file");
+        }
+        if !is_of_record {
+            let begun = begin(&claim(path, true).expect("by force"), &["reference.csv", "record.json"]);
+            assert!(begun.expect_err("in the way").to_string().contains("reference.csv"));
+        }
+        begin(&claim(path, true).expect("by force"), &["record.json"]).expect("a begin");
+        assert_eq!(path.join("reference.csv").exists(), !is_of_record);
+    }
 }
 
 #[test]
 fn files_of_the_user_are_never_replaced() {
-    for (name, other) in
-        [("scenario.toml", None), ("reference.csv", Some("summary.json")), ("report.html", None)]
-    {
+    for (name, other) in [
+        ("scenario.toml", None),
+        ("reference.csv", Some("summary.json")),
+        ("report.html", None),
+        ("record.json", None),
+        ("summary.json", Some("trace.csv")),
+    ] {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path();
         fs::write(path.join(name), "by hand").expect("a file");
         other.map_or(Ok(()), |other| fs::write(path.join(other), "by hand")).expect("a file");
         for force in [false, true] {
             let refused = claim(path, force).expect_err("a file of the user");
-            assert!(refused.contains(name) && refused.contains("another folder"), "{refused}");
+            let names_it = refused.contains(name) || other.is_some_and(|other| refused.contains(other));
+            assert!(names_it && refused.contains("another folder"), "{refused}");
         }
-        fs::write(path.join("record.json"), "{}").expect("a manifest");
+        fs::write(path.join("record.json"), MANIFEST).expect("a manifest");
         claim(path, true).expect("files of a record");
     }
 }
@@ -96,7 +141,7 @@ fn a_folder_takes_one_run_at_a_time() {
     drop(first);
     let waiting = claim(parent.path(), false).expect("a released folder");
     // A copy, or a process on a file system without locks, may come first.
-    fs::write(parent.path().join("record.json"), "{}").expect("a manifest");
+    fs::write(parent.path().join("record.json"), MANIFEST).expect("a manifest");
     let error = begin(&waiting, &["trace.csv"]).expect_err("a record since").to_string();
     assert!(error.contains("record.json is there since"), "{error}");
     assert_eq!(files(parent.path()), ["record.json"]);
@@ -107,7 +152,7 @@ fn an_output_replaces_no_file_of_a_record() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     RecordFolder::check_output(&at("run.mcap")).expect("no record is there");
-    fs::write(at("record.json"), "{}").expect("a manifest");
+    fs::write(at("record.json"), MANIFEST).expect("a manifest");
     let refused = RecordFolder::check_output(&at("run.mcap")).expect_err("the samples").to_string();
     assert!(refused.contains("run.mcap") && refused.contains("another file"), "{refused}");
     RecordFolder::check_output(&at("report.html")).expect("derived");

@@ -4,8 +4,8 @@
 //! |---|---|---|---|
 //! | `/step` | truth, torque, counts and reference as sent, timing; one per control step | time of the step | the same |
 //! | `/drive` | the subscribed signals; one per telemetry | time of the sample that they belong to | time of the step that it came in |
-//! | `/fault` | kind, first step and first step after an injected fault; written at the end | its begin | end of the run |
-//! | `/log` | a text of the drive or about it; written at the end | end of the run | the same |
+//! | `/fault` | kind and number of an injected fault, begin or end; a message for each | time of the step | time of the step that is written next |
+//! | `/log` | a text of the drive or about it | time of the step of its arrival | as of `/fault` |
 //!
 //! Times are in ns since the start of the run. A telemetry has the time of its sample; its sequence number is the step that
 //! it arrived in. The sequence number of `/step` is 0: its time has the step, and an equal number takes no bytes. Chunks are

@@ -18,6 +18,9 @@ const MORE: u64 = 32;
 /// 10^3 more; a page whose columns are all noise has less.
 pub(super) const STEPS: [f64; 3] = [1_048_576.0, 65_536.0, 4_096.0];
 
+/// Largest amount in a column whose range exceeds that of a number.
+const LARGEST: f64 = f64::MAX / 4.0;
+
 /// An encoded column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Encoded {
@@ -36,6 +39,12 @@ impl Encoded {
         let high = finite().fold(f64::NEG_INFINITY, f64::max);
         let offset = if low.is_finite() { low } else { 0.0 };
         let span = high - low;
+        if span == f64::INFINITY && low.is_finite() {
+            // Neither the span nor a value from its low end has a number: such a curve is cut off above and below.
+            let within =
+                |value: &f64| if value.is_finite() { value.clamp(-LARGEST, LARGEST) } else { *value };
+            return Self::of(&values.iter().map(within).collect::<Vec<_>>(), steps);
+        }
         Self::scaled(values, offset, if span > 0.0 && span.is_finite() { span / steps } else { 1.0 })
     }
 
@@ -189,6 +198,14 @@ mod tests {
             assert!(largest_error(&values) < 1e-5, "{values:?}");
         }
         assert!(Encoded::of(&[0.25; 25_000], STEPS[0]).digits.len() < 10);
+    }
+
+    #[test]
+    fn a_range_beyond_that_of_a_number_is_cut_off() {
+        let back = decoded(&Encoded::of(&[-f64::MAX, 0.0, f64::NAN, f64::MAX], STEPS[0]));
+        let near = |value: f64, wanted: f64| (value - wanted).abs() <= LARGEST * 1e-5;
+        assert!(near(back[0], -LARGEST) && near(back[1], 0.0) && near(back[3], LARGEST), "{back:?}");
+        assert!(back[2].is_nan());
     }
 
     #[test]

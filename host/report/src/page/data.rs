@@ -8,7 +8,8 @@ use super::typeset;
 
 /// Most rows of all runs of a page. A run of 25 s at 1 kHz has 25,000.
 const MOST_ROWS: usize = 90_000;
-/// Most digits of all columns of a page; with tables, style and scripts it stays below 3 MB.
+/// Digits of all columns of a page up to which it stays below 3 MB, with tables, style and scripts. The coarsest rounding may
+/// give more, for a record of many signals that are all noise: no signal is left out.
 const MOST_DIGITS: usize = 2_600_000;
 
 /// Groups of steps of a curve that are one group of a trail, which keeps up to four rows of each: a trail is 10^3 pixels long.

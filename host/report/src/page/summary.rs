@@ -65,7 +65,7 @@ pub(super) struct Evidence {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub(super) struct FileHash {
     pub(super) path: String,
-    pub(super) sha256: String,
+    pub(super) sha256: Option<String>,
 }
 
 /// A count beyond what the scenario allows.

@@ -58,6 +58,9 @@ pub(super) fn verdict(run: &Run) -> &str {
 pub(super) fn sentence(run: &Run) -> String {
     let Some(summary) = &run.summary else {
         let end_s = run.times_s().last().copied().unwrap_or(0.0);
+        if let Some(failure) = &run.record.failure {
+            return format!("The run failed at {end_s:.3} s: {}.", failure.error.trim_end_matches('.'));
+        }
         return format!("The run was interrupted: the record ends at {end_s:.3} s without a summary.");
     };
     if let Some(gate) = &summary.gate {

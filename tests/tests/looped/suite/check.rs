@@ -104,6 +104,13 @@ fn the_hook_checks_the_files_that_a_scenario_needs() {
     assert!(repository.git(&["rm", "--quiet", "--cached", "scenarios/reference.csv"]).status.success());
     let rejection = repository.rejection().expect("a reference without its table");
     assert!(rejection.contains("scenarios/a.toml:"), "{rejection}");
+    // The table may be outside the folder of the scenarios.
+    repository.write("../table.csv", "time_s,position_rad\n0,0\n2,0\n");
+    repository.stage("a.toml", &with_table("../table.csv"));
+    assert_eq!(repository.rejection(), None);
+    repository.stage("../table.csv", "time_s,position_rad\n0,0\n2,x\n");
+    let rejection = repository.rejection().expect("a wrong table");
+    assert!(rejection.contains("table.csv"), "{rejection}");
     // A commit without a scenario is not held up.
     assert!(repository.git(&["rm", "--quiet", "--cached", "scenarios/a.toml"]).status.success());
     assert_eq!(repository.rejection(), None);

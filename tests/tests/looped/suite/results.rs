@@ -5,7 +5,9 @@ use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
-use tests::program;
+use rustix::process::Signal;
+use tests::program::Running;
+use tests::{program, wait};
 
 use super::fixture::{NOISE, PEAK, SHORT, Suite};
 
@@ -65,12 +67,69 @@ fn one_run_has_a_junit_report_with_a_verdict_or_without() {
     let junit = suite.path("junit.xml");
     for (name, code, want) in [
         ("s/a.toml", 1, r#"failures="1" errors="0""#),
+        ("s/c.toml", 2, "cannot be read"),
         ("s/b.toml", 2, "4 cases of a sweep are run by `lashloop test`"),
     ] {
         let run = ["run", &suite.path(name), "--device", "inproc", "--junit", &junit];
         let _ = program::run(run).with_code(code);
         assert!(suite.read("junit.xml").contains(want), "{}", suite.read("junit.xml"));
     }
+    // What can't be written is an error before the run; after an error it is a warning.
+    let nowhere = suite.path("nowhere/junit.xml");
+    let run = ["run", &suite.path("s/a.toml"), "--device", "inproc", "--junit", &nowhere];
+    let ended = program::run(run).with_code(2);
+    assert!(ended.stdout.is_empty() && ended.stderr.contains("with --junit"), "{}", ended.stderr);
+    let run = ["run", &suite.path("s/a.toml"), "--device", "exec:false", "--junit", "/dev/full"];
+    let ended = program::run(run).with_code(4);
+    assert!(ended.stderr.contains("lashloop: warning: /dev/full"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_report_replaces_no_scenario_and_no_file_of_a_record() {
+    let suite = Suite::new(&[("a.toml", SHORT.to_owned())]);
+    let [scenario, baseline, record] =
+        ["s/a.toml", "s/a.baseline.toml", "record"].map(|name| suite.path(name));
+    fs::write(&baseline, "").expect("a baseline");
+    let run = ["run", &scenario, "--device", "inproc"];
+    let _ = program::run(run.iter().chain(&["--out", &record])).with_code(0);
+    let summary = suite.path("record/summary.json");
+    for (option, file) in
+        [("--html", &scenario), ("--junit", &scenario), ("--junit", &baseline), ("--html", &summary)]
+    {
+        let before = fs::read_to_string(file).expect("a file");
+        let refused = suite.run(&[option, file]).with_code(2);
+        assert!(refused.stderr.contains("name another file"), "{}", refused.stderr);
+        assert_eq!(fs::read_to_string(file).expect("a file"), before, "{option} {file}");
+    }
+    for file in [&scenario, &summary] {
+        let before = fs::read_to_string(file).expect("a file");
+        let _ = program::run(run.iter().chain(&["--junit", file])).with_code(2);
+        assert_eq!(fs::read_to_string(file).expect("a file"), before, "{file}");
+    }
+}
+
+#[test]
+fn a_killed_command_leaves_no_report_that_has_passed() {
+    let suite = Suite::new(&[("a.toml", SHORT.to_owned())]);
+    let [out, junit, html] = ["out", "junit.xml", "index.html"].map(|name| suite.path(name));
+    let (scenario, reports) = (suite.path("s/a.toml"), ["--junit", &junit, "--html", &html]);
+    let _ = suite.run(&reports).with_code(0);
+    let passed = suite.read("junit.xml");
+    suite.write("a.toml", &SHORT.replace("1.5", "1e5"));
+    let kill = |bench: Running| {
+        wait::until("the new report", || (suite.junit_counts("junit.xml")[3] == 1).then_some(()));
+        bench.signal(Signal::KILL);
+        assert_eq!(bench.wait().code, None);
+    };
+    kill(suite.start(&[&["--out", &out], &reports[..]].concat()));
+    assert_eq!((suite.badge("index.html"), suite.junit_counts("junit.xml")[3]), ("INCOMPLETE".to_owned(), 1));
+    fs::write(&junit, passed).expect("a report");
+    kill(Running::start(["run", &scenario, "--device", "inproc", "--junit", &junit]));
+    assert!(suite.read("junit.xml").contains("the run has not ended"));
+    // A suite that is refused leaves the reports of the results that stay.
+    let before = [suite.read("junit.xml"), suite.read("index.html")];
+    let _ = suite.run(&[&["--out", &out], &reports[..]].concat()).with_code(2);
+    assert_eq!([suite.read("junit.xml"), suite.read("index.html")], before);
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn of_manifest(manifest: &Manifest) -> Markup {
         h3 { "Settings of the command line" }
         @if manifest.overrides.is_empty() { p { "None: the scenario ran as its file has it." } } @else {
             div.scroll { table.overrides {
-                thead { tr { th scope="col" { "key" } th scope="col" { "value" } th scope="col" { "in the file" } } }
+                thead { tr { th scope="col" { "key" } th scope="col" { "value" } th scope="col" { "file or default" } } }
                 tbody { @for it in &manifest.overrides { tr {
                     th scope="row" { code { (it.key) } }
                     td { code { (it.value) } }
@@ -58,7 +58,7 @@ fn of_manifest(manifest: &Manifest) -> Markup {
             dt { "firmware" } dd { (manifest.versions.firmware)
                 @if let Some(build) = &manifest.versions.firmware_build { ", build " (build) }
                 @if manifest.versions.firmware_dirty { " with changes" } }
-            @for file in &manifest.evidence.files { (drive_file(&file.path, &file.sha256)) }
+            @for file in &manifest.evidence.files { (drive_file(&file.path, file.sha256.as_deref())) }
             @for warning in &manifest.evidence.warnings { dt { "warning" } dd.warning { (warning) } }
             dt { "host" }
             dd { (host.cores) " processors" @for (name, fact) in facts { @if let Some(fact) = fact { "; " (name) " " (fact) } } }
@@ -106,8 +106,8 @@ fn parameters(all: &[ParameterInForce]) -> Markup {
     }
 }
 
-fn drive_file(path: &str, sha256: &str) -> Markup {
-    html! { dt { "file of the drive" } dd { code { (path) } br; code.hash { (sha256) } } }
+fn drive_file(path: &str, sha256: Option<&str>) -> Markup {
+    html! { dt { "file of the drive" } dd { code { (path) } @if let Some(sha256) = sha256 { br; code.hash { (sha256) } } } }
 }
 
 /// Of a record without a manifest.
@@ -125,7 +125,7 @@ fn of_summary(summary: &Summary) -> Markup {
                 dt { (name.replace('_', " ")) } dd { (version.as_str().map_or_else(|| version.to_string(), str::to_owned)) }
             }
             @if !bench_build.is_empty() { dt { "bench" } dd { (bench_build) } }
-            @for file in files { (drive_file(&file.path, &file.sha256)) }
+            @for file in files { (drive_file(&file.path, file.sha256.as_deref())) }
             @for warning in warnings { dt { "warning" } dd.warning { (warning) } }
         }
     }
@@ -187,6 +187,13 @@ fn rerun(run: &Run, manifest: &Manifest) -> Vec<String> {
     if let Some(rig) = &manifest.rig {
         let rig = Path::new(manifest.working_directory.as_deref().unwrap_or_default()).join(rig);
         words.extend(["--rig".to_owned(), rig.display().to_string()]);
+    } else if let Some(command) = manifest.device.strip_prefix("exec:") {
+        // `rerun` starts no program by the record alone. A relative path began in the folder of the run.
+        let is_relative = !command.starts_with(['/', '"', '\''])
+            && command.split(' ').next().is_some_and(|it| it.contains('/'));
+        let folder = manifest.working_directory.as_ref().filter(|_| is_relative);
+        let folder = folder.map(|it| format!("{it}/")).unwrap_or_default();
+        words.extend(["--device".to_owned(), format!("exec:{folder}{command}")]);
     }
     words
 }
