@@ -7,9 +7,8 @@ use std::string::String;
 use std::vec::Vec;
 
 use anyhow::Result;
-use lashloop_plant::random;
 use rand_pcg::Pcg64;
-use rand_pcg::rand_core::SeedableRng;
+use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::case;
 use super::cost::{self, Cost};
@@ -67,7 +66,7 @@ fn minimise(
     mut report: impl FnMut(u32, &Point),
 ) -> Result<Point> {
     let mut random = Pcg64::seed_from_u64(SEED);
-    let mut uniform = move || random::uniform(&mut random);
+    let mut uniform = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut place = std::vec![0.5; dimensions];
     let mut best = evaluate(&place, f64::INFINITY)?;
     report(1, &best);
