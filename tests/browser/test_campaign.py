@@ -44,7 +44,6 @@ values = [0, 1]
 metric = "peak_tracking_error_rad"
 quantile = 0.5
 max = 1.0
-confidence = 0.9
 [[expect]]
 metric = "torque_total_variation_nm"
 quantile = 1.0

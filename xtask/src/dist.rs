@@ -114,10 +114,12 @@ fn build_for_musl(profile: Profile, target: &str, program: &Path) -> Result<()> 
 
 /// Links `main` and the library of the program with a static C library.
 fn link_statically(profile: Profile, program: &Path) -> Result<()> {
-    let arguments = format!(
-        "build --workspace --bin {NAME} --profile {} --message-format json-render-diagnostics {FEATURES}",
-        profile.name()
-    );
+    let build = match profile {
+        Profile::Dev => "programs".to_owned(), // Of the libraries that the tests have built, see `.cargo/config.toml`.
+        Profile::Release => format!("build --workspace --bin {NAME}"),
+    };
+    let arguments =
+        format!("{build} --profile {} --message-format json-render-diagnostics {FEATURES}", profile.name());
     let messages = output(cargo(&arguments).stderr(Stdio::inherit()))?;
     let messages = messages.lines().map(serde_json::from_str).collect::<Result<Vec<Value>, _>>();
     let messages = messages.context("the messages of cargo aren't JSON")?;

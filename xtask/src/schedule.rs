@@ -1,8 +1,8 @@
 //! The whole test command on two cores: which chores run at the same time.
 //!
-//! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other: the
-//! third lane keeps both cores busy. Tests that measure time, and drives in processes of their own with their timeouts, run
-//! when nothing else does.
+//! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other:
+//! three lanes keep both cores busy, and no more than two of them build. Tests that measure time, and drives in processes of
+//! their own with their timeouts, run when nothing else does.
 
 use std::env;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -32,8 +32,8 @@ const IN_BACKGROUND: &str = "test python --timing untimed";
 pub(crate) const STAGES: [&[Lane]; 2] = [
     &[
         &[SETUP, "test image", "test usb", "test cluster", "test browser"],
-        &["check", "test unit --timing untimed", "test fuzz --seconds 10"],
-        &["test silicon"],
+        &["check", "test silicon"],
+        &["test unit --timing untimed", "test fuzz --seconds 10"],
     ],
     &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
 ];
@@ -79,7 +79,11 @@ impl Whole {
             if !WITHOUT_EQUIPMENT.contains(&chore) {
                 self.set_up.wait();
             }
-            sum.step(chore, || self.run_chore(chore));
+            println!("== {chore}");
+            sum += self.run_chore(chore).unwrap_or_else(|error| {
+                println!("{chore} failed: {error:#}");
+                Counts::FAILED
+            });
             if chore == SETUP {
                 self.set_up.get_or_init(|| ());
             }
