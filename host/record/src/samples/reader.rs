@@ -65,7 +65,7 @@ impl Samples {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
         let has_end = bytes.ends_with(mcap::MAGIC);
-        let mut is_torn = false;
+        let mut is_torn = !has_end && !ends_with_a_record(&bytes);
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
@@ -91,7 +91,10 @@ impl Samples {
                     }
                 }
                 // What follows repeats schemas and channels.
-                Ok(Record::DataEnd(_)) => break,
+                Ok(Record::DataEnd(_)) => {
+                    is_torn = false;
+                    break;
+                }
                 Ok(_) => {}
                 Err(_) if !has_end => {
                     is_torn = true;
@@ -103,6 +106,17 @@ impl Samples {
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }
+}
+
+/// Whether the last record is whole. The reader of records reports no error where a file ends behind opcode and length of one.
+fn ends_with_a_record(file: &[u8]) -> bool {
+    let mut rest = file.get(mcap::MAGIC.len()..).unwrap_or_default();
+    while let Some(([_, length @ ..], content)) = rest.split_first_chunk::<9>() {
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let Some(next) = content.get(length..) else { return false };
+        rest = next;
+    }
+    rest.is_empty()
 }
 
 /// The columns of the trace, and those of the timing.

@@ -94,7 +94,9 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
         |columns: &Columns| columns.signals().iter().map(|it| it.name.to_string()).collect::<Vec<_>>();
     let ends = ends_of_records(&whole);
     let end_of_data = ends.windows(2).find(|it| whole[it[0]] == DATA_END).expect("an end of the data")[1];
-    let mut lengths: Vec<_> = (0..whole.len()).step_by(97).chain(ends.iter().copied()).collect();
+    // Behind the opcode and length of a record too.
+    let heads = ends.iter().map(|end| end + 9).filter(|length| *length < whole.len());
+    let mut lengths: Vec<_> = (0..whole.len()).step_by(97).chain(ends.iter().copied()).chain(heads).collect();
     lengths.sort_unstable();
     let mut counts = Vec::new();
     for length in lengths {
