@@ -69,11 +69,12 @@ impl Slurm {
     /// A daemon does not start; the error has the end of its log.
     pub(crate) fn start() -> Result<Self> {
         let root = workspace().join("target/slurm/root");
-        let entries = fs::read_dir(root.join("usr/lib")).context("target/slurm/root/usr/lib")?;
+        const MISSING: &str = "Slurm's libraries are not in target/slurm: `cargo xtask setup` unpacks them";
+        let entries = fs::read_dir(root.join("usr/lib")).context(MISSING)?;
         let libraries = entries
             .filter_map(|entry| Some(entry.ok()?.path()))
             .find(|path| path.join("slurm-wlm").is_dir())
-            .context("no slurm-wlm in target/slurm/root/usr/lib")?;
+            .context(MISSING)?;
         let folder = tempfile::Builder::new().prefix("slurm-").tempdir()?;
         let slurm = Self { folder, root, libraries, daemons: Mutex::default() };
         slurm.write_configuration()?;
