@@ -17,7 +17,7 @@ const MS: Duration = Duration::from_millis(1);
 
 fn probe() -> Symbols {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/silicon-probe.elf");
-    Symbols::read(&path).expect("`cargo xtask test silicon` builds the probe")
+    Symbols::read(&path).expect("`cargo xtask test chip` builds the probe")
 }
 
 fn variable(name: &str) -> u64 {

@@ -32,8 +32,10 @@ pub(crate) enum Ring {
     Loop,
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
     Image,
-    /// The Cortex-M image on virtual silicon: the program that models the chip, its own tests, and runs of the bench
+    /// Runs of the bench at virtual silicon: the Cortex-M image on models of its chip
     Silicon,
+    /// The Cortex-M image on the models of its chip, without the bench: pins, ticks, the time to the bridge off
+    Chip,
     /// The Python package: lint, its own tests, and its drive on the bench
     Python,
     /// Reports and live pages in headless Chromium
@@ -149,7 +151,13 @@ impl Selection {
                 // The longest build is first: by its end another ring has built the image.
                 counts.step("virtual silicon", silicon::build);
                 counts.step("image", image::build);
+                counts.step("image of the probe", silicon::build_probe);
+            }
+            Ring::Chip => {
+                counts.step("image", image::build);
+                counts.step("image of the probe", silicon::build_probe);
                 counts.step("virtual silicon, its own tests", silicon::test);
+                return counts;
             }
             Ring::Browser => {
                 counts.step("browser lint", || Project::BrowserTests.lint());

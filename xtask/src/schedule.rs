@@ -1,8 +1,8 @@
 //! The whole test command on two cores: which chores run at the same time.
 //!
 //! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other:
-//! three lanes keep both cores busy, and no more than two of them build. Tests that measure time, and drives in processes of
-//! their own with their timeouts, run when nothing else does.
+//! three lanes keep both cores busy, and no more than two of them build. Tests that measure time come last. They leave most of
+//! the cores to chores in the background, which the scheduler interrupts at once for anything else.
 
 use std::env;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -25,17 +25,21 @@ const SETUP: &str = "setup";
 /// Chores that need the compiler alone.
 const WITHOUT_EQUIPMENT: [&str; 2] = [SETUP, "check"];
 
-/// Needs no answer in time, and yields to the tests that do.
-const IN_BACKGROUND: &str = "test python --timing untimed";
+/// Need no answer in time, and yield to the tests that do.
+const IN_BACKGROUND: [&str; 2] = ["test python --timing untimed", "test chip"];
 
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 2] = [
     &[
         &[SETUP, "test image", "test usb", "test cluster", "test browser"],
         &["check", "test silicon"],
-        &["test unit --timing untimed", "test fuzz --seconds 10"],
+        &["test unit --timing untimed", "test fuzz --seconds 10", "test loop --timing untimed"],
     ],
-    &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
+    &[
+        &["test python --timing timed", "test loop --timing timed", "test unit --timing timed"],
+        &[IN_BACKGROUND[0]],
+        &[IN_BACKGROUND[1]],
+    ],
 ];
 
 /// Runs the stages, and prints the reports of the tests, the time of each chore, and the names of what failed.
@@ -102,8 +106,15 @@ impl Whole {
                 println!("{} {chore} | {line}", minutes(self.started.elapsed()));
             }
         };
-        let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
-        command.arg(env::current_exe()?).args(chore.split(' '));
+        let program = env::current_exe()?;
+        let mut command = if IN_BACKGROUND.contains(&chore) {
+            let mut command = command("chrt", "--idle 0");
+            command.arg(program);
+            command
+        } else {
+            command(program, "")
+        };
+        command.args(chore.split(' '));
         let counts = Counts::of_output(command, Counts::of_sum, print);
         let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);
         let result = counts.as_ref().map_or_else(|error| format!("{error:#}"), Counts::to_string);

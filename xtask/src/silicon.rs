@@ -22,14 +22,21 @@ pub(crate) fn build() -> Result<()> {
     run(&mut in_workspace("build --bins")).context("virtual silicon doesn't build")
 }
 
-/// Builds the image of its own tests and runs them.
+/// Builds the image of its own tests.
 ///
 /// # Errors
-/// Something doesn't build.
-pub(crate) fn test() -> Result<Counts> {
+/// It doesn't build.
+pub(crate) fn build_probe() -> Result<()> {
     let (program, manifest) = PROBE;
     run(&mut ArmToolchain::find()?.build_manifest(manifest))?;
-    image::publish(program, program)?;
+    image::publish(program, program)
+}
+
+/// Builds its own tests and runs them.
+///
+/// # Errors
+/// They don't build.
+pub(crate) fn test() -> Result<Counts> {
     Counts::of_output(in_workspace("test --no-fail-fast"), Counts::of_libtest, |line| println!("{line}"))
 }
 
