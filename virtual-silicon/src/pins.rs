@@ -224,12 +224,7 @@ impl<'a> Pins<'a> {
         Ok(())
     }
 
-    /// Ends [`Self::watch`] of this instruction.
-    pub fn unwatch(&mut self, address: u64) {
-        self.host.unwatch(Watch::Instruction(address));
-    }
-
-    /// Pulls the reset pin low and releases it. Memory keeps its contents, and the core's model what it has translated.
+    /// Pulls the reset pin low and releases it. Memory keeps its contents.
     pub fn reset(&mut self) {
         // The count of instructions is part of the report alone.
         self.session.reset_by_pin(self.at, 0, self.host);

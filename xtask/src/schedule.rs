@@ -1,13 +1,11 @@
 //! The whole test command on two cores: which chores run at the same time.
 //!
 //! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other:
-//! three lanes keep both cores busy, and no more than two of them build. Tests that measure time come last. They leave most of
-//! the cores to chores in the background, which the scheduler interrupts at once for anything else.
+//! three chores at a time keep both cores busy. Tests that measure time come last, when little else runs.
 
-use std::env;
 use std::sync::{Mutex, OnceLock, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{env, slice, thread};
 
 use anyhow::Result;
 
@@ -16,8 +14,11 @@ use crate::counts::Counts;
 use crate::log::{self, Log};
 use crate::reports;
 
-/// Chores that run one after the other.
-pub(crate) type Lane = &'static [&'static str];
+/// Chores that start in their order, some of them at once.
+pub(crate) struct Queue {
+    at_once: usize,
+    pub(crate) chores: &'static [&'static str],
+}
 
 /// Installs what tests need: every chore but [`WITHOUT_EQUIPMENT`] starts after it.
 const SETUP: &str = "setup";
@@ -25,20 +26,34 @@ const SETUP: &str = "setup";
 /// Chores that need the compiler alone.
 const WITHOUT_EQUIPMENT: [&str; 2] = [SETUP, "check"];
 
-/// Need no answer in time, and yield to the tests that do.
-const IN_BACKGROUND: [&str; 2] = ["test python --timing untimed", "test chip"];
+/// Needs no answer in time, computes on one core, and yields to the tests that measure time. Chores that occupy both cores
+/// delay these tests by up to 100 ms even at the lowest priority.
+const IN_BACKGROUND: &str = "test python --timing untimed";
 
-/// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
-pub(crate) const STAGES: [&[Lane]; 2] = [
+/// The queues of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
+pub(crate) const STAGES: [&[Queue]; 2] = [
+    &[Queue {
+        at_once: 3,
+        chores: &[
+            "check",
+            SETUP,
+            "test image",
+            "test unit --timing untimed",
+            "test silicon",
+            "test fuzz --seconds 10",
+            "test loop --timing untimed",
+            "test chip",
+            "test usb",
+            "test browser",
+            "test cluster",
+        ],
+    }],
     &[
-        &[SETUP, "test image", "test usb", "test cluster", "test browser"],
-        &["check", "test silicon"],
-        &["test unit --timing untimed", "test fuzz --seconds 10", "test loop --timing untimed"],
-    ],
-    &[
-        &["test python --timing timed", "test loop --timing timed", "test unit --timing timed"],
-        &[IN_BACKGROUND[0]],
-        &[IN_BACKGROUND[1]],
+        Queue {
+            at_once: 1,
+            chores: &["test python --timing timed", "test loop --timing timed", "test unit --timing timed"],
+        },
+        Queue { at_once: 1, chores: &[IN_BACKGROUND] },
     ],
 ];
 
@@ -51,11 +66,16 @@ pub(crate) fn run() -> Result<Counts> {
     reports::clear(&log::folder())?;
     let mut sum = Counts::default();
     let whole = Whole { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
-    for lanes in STAGES {
+    for queues in STAGES {
+        let queues: Vec<_> = queues.iter().map(|it| (it.at_once, Mutex::new(it.chores.iter()))).collect();
+        let whole = &whole;
         thread::scope(|scope| {
-            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| whole.run_lane(lane))).collect();
-            for lane in lanes {
-                sum += lane.join().unwrap_or(Counts::FAILED);
+            let mut workers = Vec::new();
+            for (at_once, chores) in &queues {
+                workers.extend((0..*at_once).map(|_| scope.spawn(|| whole.run_chores(chores))));
+            }
+            for worker in workers {
+                sum += worker.join().unwrap_or(Counts::FAILED);
             }
         });
     }
@@ -77,9 +97,11 @@ struct Whole {
 }
 
 impl Whole {
-    fn run_lane(&self, chores: Lane) -> Counts {
+    /// Runs the next of the chores until there is none.
+    fn run_chores(&self, chores: &Mutex<slice::Iter<'_, &str>>) -> Counts {
         let mut sum = Counts::default();
-        for &chore in chores {
+        let next = || chores.lock().unwrap_or_else(PoisonError::into_inner).next().copied();
+        while let Some(chore) = next() {
             if !WITHOUT_EQUIPMENT.contains(&chore) {
                 self.set_up.wait();
             }
@@ -106,15 +128,8 @@ impl Whole {
                 println!("{} {chore} | {line}", minutes(self.started.elapsed()));
             }
         };
-        let program = env::current_exe()?;
-        let mut command = if IN_BACKGROUND.contains(&chore) {
-            let mut command = command("chrt", "--idle 0");
-            command.arg(program);
-            command
-        } else {
-            command(program, "")
-        };
-        command.args(chore.split(' '));
+        let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
+        command.arg(env::current_exe()?).args(chore.split(' '));
         let counts = Counts::of_output(command, Counts::of_sum, print);
         let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);
         let result = counts.as_ref().map_or_else(|error| format!("{error:#}"), Counts::to_string);

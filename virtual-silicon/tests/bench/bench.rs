@@ -15,14 +15,14 @@ use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::wiring::{Encoder, Wiring};
 use rigless::emulator::AccessKind;
 
-use crate::machines::Machine;
+use crate::machine::Machine;
 use crate::turntable::{self, Speeds};
 
 /// Counter of the motor encoder, TIM3.
 pub const MOTOR_COUNTER: u64 = 0x4000_0424;
 /// Status of the tick, TIM5, which its task clears first and reads at its end.
 pub const TICK_STATUS: u64 = 0x4000_0c10;
-/// Time from power-up, or a reset by its pin, to the first turn of the surroundings.
+/// Time from power-up to the first turn of the surroundings.
 const FIRST_TURN: Duration = Duration::from_micros(50);
 
 /// The drive's image, as `cargo xtask image` builds it.
@@ -67,10 +67,6 @@ pub struct Site {
     pub train: DriveTrain,
     pub log: Log,
     has_crystal: bool,
-    /// Device time of the first turn of the drive train.
-    first_turn: Duration,
-    /// Instructions that are watched.
-    watched: Vec<u64>,
     commands: Receiver<Command>,
     until: Duration,
     /// Takes the device time of a frame of the chip.
@@ -86,11 +82,7 @@ impl Site {
 
 impl Surroundings for Site {
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
-        let due = if chip.now() < self.first_turn {
-            self.first_turn
-        } else {
-            self.train.turn(chip).expect("the turntable turns")
-        };
+        let due = self.train.turn(chip).expect("the turntable turns");
         let mut has_frame = || chip.serial_line().received().contains(&DELIMITER);
         if self.on_frame.is_some() && (has_frame() || self.until <= chip.now()) {
             self.until = chip.now();
@@ -144,66 +136,40 @@ pub struct Bench {
     machine: Option<Machine>,
     speeds: Speeds,
     now: Duration,
-    /// Resets until the chip was booted for this test.
-    resets: usize,
     resets_allowed: bool,
 }
 
 impl Bench {
-    /// Boots an image, with encoders at these counts.
-    pub fn boot(image: &Symbols, counts: (i64, i64)) -> Self {
+    /// Powers up a chip with this image, with encoders at these counts.
+    pub fn power_up(image: &Symbols, counts: (i64, i64)) -> Self {
         let speeds = Speeds::default();
-        let train = turntable::drive_train(&speeds, counts);
-        let mut bench = Self::boot_with(image, train);
+        let mut bench = Self::new(image, turntable::drive_train(&speeds, counts), true);
         bench.speeds = speeds;
         bench
     }
 
-    /// Boots an image with this drive train, which takes no speeds.
-    pub fn boot_with(image: &Symbols, train: DriveTrain) -> Self {
-        match Machine::take_over(image) {
-            Some(machine) => Self::reset(machine, train),
-            None => Self::power_up(image, train, true),
-        }
+    /// As [`Self::power_up`], with this drive train, which takes no speeds.
+    pub fn with_train(image: &Symbols, train: DriveTrain) -> Self {
+        Self::new(image, train, true)
     }
 
-    /// As [`Self::boot`], at a chip that had no power before, with a crystal or with one that doesn't start.
-    pub fn power_up_at_rest(image: &Symbols, has_crystal: bool) -> Self {
-        let train = turntable::drive_train(&Speeds::default(), (0, 0));
-        Self::power_up(image, train, has_crystal)
+    /// As [`Self::power_up`], with a crystal that doesn't start.
+    pub fn without_crystal(image: &Symbols) -> Self {
+        Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), false)
     }
 
-    fn power_up(image: &Symbols, train: DriveTrain, has_crystal: bool) -> Self {
+    fn new(image: &Symbols, train: DriveTrain, has_crystal: bool) -> Self {
         let board = image.board().expect("an image").expect("the image names its board");
         let wiring = Wiring::of_board(&board).expect("the pins of the board");
         let machine = Machine::power_up(image, wiring, |commands| Site {
             train,
             log: Log::default(),
             has_crystal,
-            first_turn: Duration::ZERO,
-            watched: Vec::new(),
             commands,
             until: Duration::ZERO,
             on_frame: None,
         });
-        Self::of(machine, FIRST_TURN, 0)
-    }
-
-    /// Boots the image of a machine by the reset pin of its chip.
-    fn reset(machine: Machine, train: DriveTrain) -> Self {
-        let mut bench = Self::of(machine, Duration::ZERO, 0);
-        (bench.now, bench.resets) = bench.act(move |chip, site| {
-            site.watched.drain(..).for_each(|address| chip.unwatch(address));
-            chip.reset();
-            (site.train, site.log, site.has_crystal) = (train, Log::default(), true);
-            site.first_turn = chip.now() + FIRST_TURN;
-            (chip.now(), chip.resets())
-        });
-        bench
-    }
-
-    fn of(machine: Machine, now: Duration, resets: usize) -> Self {
-        Self { machine: Some(machine), speeds: Speeds::default(), now, resets, resets_allowed: false }
+        Self { machine: Some(machine), speeds: Speeds::default(), now: FIRST_TURN, resets_allowed: false }
     }
 
     /// The chip may reset itself.
@@ -213,10 +179,7 @@ impl Bench {
 
     /// Logs every arrival of the core at this instruction.
     pub fn watch(&mut self, address: u64) {
-        self.act(move |chip, site| {
-            chip.watch(address).expect("a watch");
-            site.watched.push(address);
-        });
+        self.act(move |chip, _| chip.watch(address).expect("a watch"));
     }
 
     /// Device time.
@@ -244,11 +207,10 @@ impl Bench {
         self.now = answers.recv().unwrap_or_else(|_| self.ended_early());
     }
 
-    /// Runs the chip until an access that it doesn't serve, or until a device time. The resets are those of this test.
+    /// Runs the chip until an access that it doesn't serve, or until a device time.
     pub fn end(mut self, latest: Duration) -> Ended<Site> {
         self.command(Command::Until(latest, None));
-        let ended = self.machine.take().expect("one end").end();
-        Ended { resets: ended.resets - self.resets, ..ended }
+        self.machine.take().expect("one end").end()
     }
 
     /// Acts on the chip, now.
@@ -307,10 +269,8 @@ impl Drop for Bench {
             return;
         }
         // Ends early if the chip has not served every access.
-        let resets = self.act(|chip, _| chip.resets()) - self.resets;
+        let resets = self.act(|chip, _| chip.resets());
         assert!(self.resets_allowed || resets == 0, "{resets} resets");
-        if let Some(machine) = self.machine.take() {
-            machine.leave();
-        }
+        self.machine.take().map(Machine::end);
     }
 }

@@ -11,7 +11,7 @@ use crate::host::{Host, SESSION};
 
 #[test]
 fn the_image_boots_from_the_crystal_with_every_pin_connected() {
-    let mut bench = Bench::power_up_at_rest(&image(), true);
+    let mut bench = Bench::power_up(&image(), (0, 0));
     bench.advance(Duration::from_millis(200));
     assert_eq!(bench.act(|chip, _| chip.misconfigured()), [""; 0]);
     // 1 ms of the crystal, exact; the oscillator inside the chip is not.
@@ -24,14 +24,14 @@ fn the_image_boots_from_the_crystal_with_every_pin_connected() {
 
 #[test]
 fn a_core_halted_by_a_debugger_stops_the_pwm_and_not_the_watchdog() {
-    let mut bench = Bench::power_up_at_rest(&image(), true);
+    let mut bench = Bench::power_up(&image(), (0, 0));
     bench.advance(Duration::from_millis(200));
     assert_eq!(bench.act(|chip, _| chip.halted_by_debugger()), (true, true));
 }
 
 #[test]
 fn a_booted_drive_is_off_and_describes_its_bench_mode() {
-    let mut host = Host::of(Bench::power_up_at_rest(&image(), true));
+    let mut host = Host::of(Bench::power_up(&image(), (0, 0)));
     let identity = host.shake_hands(SESSION);
     assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
     assert_eq!(
@@ -42,10 +42,27 @@ fn a_booted_drive_is_off_and_describes_its_bench_mode() {
     assert!(changes.iter().all(|(_, bridge)| !bridge.is_enabled && !bridge.has_main_output), "{changes:?}");
 }
 
+#[test]
+fn a_reset_by_its_pin_turns_the_bridge_off_and_boots_an_idle_drive() {
+    let mut host = Host::under_torque(&image(), Duration::from_millis(1));
+    host.bench.allow_resets();
+    let reset_at = host.bench.act(|chip, _| {
+        chip.reset();
+        chip.now()
+    });
+    // A frame may have been on the line.
+    host.expects_cut_frame = true;
+    host.bench.advance(Duration::from_millis(20));
+    let off = host.bench.time_to_off(reset_at);
+    assert!(off.is_some_and(|off| off < Duration::from_micros(1)), "{off:?}");
+    assert_eq!(host.shake_hands(SESSION).state, State::Idle);
+    assert_eq!(host.bench.act(|chip, _| (chip.misconfigured(), chip.resets())), (Vec::new(), 1));
+}
+
 /// The drive as after power-up, but no motor turns.
 #[test]
 fn without_a_crystal_the_drive_reports_it_and_has_no_bench_mode() {
-    let mut bench = Bench::power_up_at_rest(&image(), false);
+    let mut bench = Bench::without_crystal(&image());
     // 0.1 s of waiting for the crystal.
     bench.advance(Duration::from_millis(180));
     let mut host = Host::of(bench);

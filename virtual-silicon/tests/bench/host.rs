@@ -43,7 +43,7 @@ pub struct Host {
 impl Host {
     /// A host of a drive in a session, with encoders at these counts.
     pub fn at(image: &Symbols, counts: (i64, i64)) -> Self {
-        Self::of(Bench::boot(image, counts))
+        Self::of(Bench::power_up(image, counts))
     }
 
     /// A host of this board, in a session.

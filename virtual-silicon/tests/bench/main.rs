@@ -11,7 +11,7 @@ mod encoders;
 mod failures;
 mod host;
 mod loader;
-mod machines;
+mod machine;
 mod mutants;
 mod off;
 mod report;

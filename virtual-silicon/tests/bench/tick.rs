@@ -31,7 +31,7 @@ fn with_plant(image: &Symbols) -> Host {
         load_counts_per_rev: 131_072.0,
     };
     let train = DriveTrain::new(model.release(&release).expect("a plant"), scales);
-    let mut host = Host::of(Bench::boot_with(image, train));
+    let mut host = Host::of(Bench::with_train(image, train));
     host.set_all(&[]);
     host
 }

@@ -14,7 +14,7 @@ use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
 
-/// A measurement of each cause. Causes share a thread for each core, because a thread keeps one machine.
+/// A measurement of each cause, as many at once as there are cores.
 pub fn of_each<T: Send>(causes: &[&Cause], measure: impl Fn(&Cause) -> T + Sync) -> Vec<T> {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let measure = &measure;

@@ -1,10 +1,6 @@
-//! Machines, which tests use one after the other.
-//!
-//! The processor's model translates an image while it runs, and that takes most of the time of a short run. A reset of the
-//! chip keeps the translation, so a test takes over the machine of an earlier test with the same image.
+//! A machine in a thread of its own, to which a test sends commands.
 
 use std::sync::mpsc::{self, Receiver, Sender};
-use std::sync::{Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use lashloop_silicon::machine::{self, Ended};
@@ -13,15 +9,8 @@ use lashloop_silicon::wiring::Wiring;
 
 use crate::bench::{Command, Site};
 
-/// Machines that no test uses.
-static IDLE: Mutex<Vec<Machine>> = Mutex::new(Vec::new());
-
-/// Most of them: each holds its translation, some 100 MB.
-const MOST_IDLE: usize = 4;
-
 /// A chip that runs an image on a board.
 pub struct Machine {
-    image: Symbols,
     commands: Sender<Command>,
     thread: JoinHandle<Ended<Site>>,
 }
@@ -37,24 +26,7 @@ impl Machine {
             ended.surroundings.close();
             ended
         });
-        Self { image: image.clone(), commands, thread }
-    }
-
-    /// A machine that an earlier test has left.
-    pub fn take_over(image: &Symbols) -> Option<Self> {
-        let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = idle.iter().position(|it| it.image == *image)?;
-        Some(idle.remove(place))
-    }
-
-    /// Leaves the machine to a later test.
-    pub fn leave(self) {
-        let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
-        idle.push(self);
-        if idle.len() > MOST_IDLE {
-            // The one that has waited longest ends once its commands do.
-            idle.remove(0);
-        }
+        Self { commands, thread }
     }
 
     /// Whether the machine has taken the command; one that has ended takes none.
