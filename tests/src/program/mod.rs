@@ -114,6 +114,11 @@ impl Drop for Running {
 }
 
 impl Ended {
+    /// Lines on standard error but those of the progress, which only a run of some seconds reports.
+    pub fn messages(&self) -> Vec<&str> {
+        self.stderr.lines().filter(|line| !line.starts_with("progress ")).collect()
+    }
+
     /// Checks the exit code.
     ///
     /// # Panics

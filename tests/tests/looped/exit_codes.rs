@@ -20,7 +20,7 @@ fn a_missed_expectation_fails_with_exit_code_1() {
     let ended = program::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(1);
     assert!(ended.stdout.contains("MISSED settle_time_s: 5.104 s; misses 1 to 4.5 s"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
-    assert_eq!(ended.stderr, "");
+    assert_eq!(ended.messages(), [""; 0]);
     let summary = records.summary();
     assert_eq!((&summary["verdict"], &summary["expectations"][0]["ok"]), (&"FAIL".into(), &false.into()));
 }
