@@ -1,5 +1,6 @@
 //! The rings of tests: from tests of pure functions to the image in the emulator.
 
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use anyhow::{Result, bail};
@@ -106,8 +107,6 @@ fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
             || program.run_on_shared_machine(WAITING.1),
             || program.run_on_shared_machine(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
         ),
-        // Its drives run in one process with it.
-        name if ring_of(name) == Some(Ring::Unit) => program.run(&skip),
         _ => program.run_on_shared_machine(&skip),
     }
 }
@@ -123,6 +122,28 @@ fn at_once(
         let mut counts = one.join().unwrap_or_else(|_| bail!("the thread of a step panicked"))?;
         counts += other?;
         Ok(counts)
+    })
+}
+
+/// Runs the untimed tests of programs whose drives run in one process with them. Two programs run at a time: in its last
+/// test a program occupies one core. The output of each is printed at its end.
+fn run_in_pairs(programs: &[TestProgram]) -> Counts {
+    let next = Mutex::new(programs.iter());
+    let run_the_next = || {
+        let mut counts = Counts::default();
+        let take = || next.lock().unwrap_or_else(PoisonError::into_inner).next();
+        while let Some(program) = take() {
+            let skip: String =
+                timed_modules(&program.name).iter().map(|module| format!(" --skip {module}")).collect();
+            counts += program.run(&skip);
+        }
+        counts
+    };
+    thread::scope(|scope| {
+        let other = scope.spawn(run_the_next);
+        let mut counts = run_the_next();
+        counts += other.join().unwrap_or(Counts::FAILED);
+        counts
     })
 }
 
@@ -178,14 +199,18 @@ impl Selection {
             programs = test_programs::build()?;
             Ok(Counts::default())
         });
-        for program in programs.iter().filter(|program| ring_of(&program.name) == Some(ring)) {
+        programs.retain(|program| ring_of(&program.name) == Some(ring));
+        if ring == Ring::Unit && self.timing != Some(Timing::Timed) {
+            counts.step("programs, two at a time", || Ok(run_in_pairs(&programs)));
+        }
+        for program in &programs {
             if program.name == PYTHON {
                 // One after the other: bench and drive take turns on the cores.
                 counts.step(PYTHON, || program.run_on_shared_machine("--test-threads 1"));
                 continue;
             }
             let timed = timed_modules(&program.name);
-            if self.timing != Some(Timing::Timed) {
+            if ring != Ring::Unit && self.timing != Some(Timing::Timed) {
                 counts.step(&program.name, || run_untimed(program, timed));
             }
             if self.timing != Some(Timing::Untimed) && !timed.is_empty() {

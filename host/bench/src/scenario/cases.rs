@@ -49,8 +49,8 @@ impl Cases {
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
         let file: Arc<str> = name.into();
-        let keys = || Scenario::keys_with(plants);
-        let (mut tree, mut errors) = read_tree(&file, text, overrides, &keys)?;
+        let known = Scenario::catalogue(plants);
+        let (mut tree, mut errors) = read_tree(&file, text, overrides, &known)?;
         let settings = match tree.remove("sweep") {
             None => vec![Vec::new()],
             Some(node) => {
@@ -115,8 +115,8 @@ impl Cases {
     /// Keys are unknown, missing or out of range, or an override can't be applied; all errors at once.
     pub fn scenario_with(&self, overrides: &[Override]) -> Result<Scenario, ScenarioErrors> {
         let mut tree = self.tree.clone();
-        let keys = || Scenario::keys_with(&self.plants);
-        let errors = overrides.iter().filter_map(|it| it.apply(&mut tree, &keys).err()).collect();
+        let known = Scenario::catalogue(&self.plants);
+        let errors = overrides.iter().filter_map(|it| it.apply(&mut tree, &known).err()).collect();
         let is_overridden = self.is_overridden || !overrides.is_empty();
         Scenario::from_tree(&self.name, tree, errors, is_overridden, &self.plants, &self.given)
     }

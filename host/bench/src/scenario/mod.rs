@@ -64,6 +64,7 @@ pub use self::run_mode::RunMode;
 pub use self::traps::Trap;
 
 use self::bench::BenchSettings;
+use self::catalogue::Catalogue;
 use self::controller::ControllerSettings;
 use self::expectation::{Expectation, PlannedRun};
 use self::fault::InjectedFault;
@@ -167,8 +168,8 @@ impl Scenario {
         overrides: &[Override],
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
-        let keys = || Self::keys_with(plants);
-        let (tree, errors) = overrides::read_tree(&name.into(), text, overrides, &keys)?;
+        let known = Self::catalogue(plants);
+        let (tree, errors) = overrides::read_tree(&name.into(), text, overrides, &known)?;
         Self::from_tree(name, tree, errors, !overrides.is_empty(), plants, &GivenTables::new())
     }
 
@@ -245,7 +246,11 @@ impl Scenario {
     /// As [`keys`](Self::keys), with these plant models to choose from.
     #[must_use]
     pub fn keys_with(plants: &Plants) -> Keys {
-        catalogue::collect(|root| {
+        Self::catalogue(plants).all()
+    }
+
+    fn catalogue(plants: &Plants) -> Catalogue<'_> {
+        Catalogue::new(|root| {
             read(root, "", Tables { directory: Path::new(""), given: &GivenTables::new() }, plants);
         })
     }

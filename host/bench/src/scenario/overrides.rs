@@ -7,9 +7,9 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::catalogue::Catalogue;
 use super::error::ScenarioError;
 use super::file::without_mark;
-use super::key::Keys;
 use super::origin::Origin;
 use super::spelling::spell_key;
 use super::tree::{Node, Table, Value, parse_file, parse_value};
@@ -39,8 +39,8 @@ impl fmt::Display for Override {
 }
 
 impl Override {
-    /// Replaces or adds the value in `root`. The reader rejects unknown keys. `keys` are those that the reader reads.
-    pub(super) fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
+    /// Replaces or adds the value in `root`. The reader rejects unknown keys. `known` are those that it reads.
+    pub(super) fn apply(&self, root: &mut Table, known: &Catalogue<'_>) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {
@@ -54,7 +54,7 @@ impl Override {
         let placed = value.and_then(|value| {
             let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_';
             if root.get(path).is_none() && !path.is_empty() && path.chars().all(is_bare) {
-                needs_no_section(path, &keys())?;
+                needs_no_section(path, known)?;
             }
             place(root, path, Node { origin, value })
         });
@@ -67,18 +67,22 @@ pub(super) fn read_tree(
     file: &Arc<str>,
     text: &str,
     overrides: &[Override],
-    keys: &dyn Fn() -> Keys,
+    known: &Catalogue<'_>,
 ) -> Result<(Table, Vec<ScenarioError>), ScenarioError> {
     let mut tree = parse_file(file, without_mark(text))?;
-    let errors = overrides.iter().filter_map(|option| option.apply(&mut tree, keys).err()).collect();
+    let errors = overrides.iter().filter_map(|option| option.apply(&mut tree, known).err()).collect();
     Ok((tree, errors))
 }
 
 /// A key without a section must be one of the few keys that have none.
-fn needs_no_section(key: &str, keys: &Keys) -> Result<(), String> {
+fn needs_no_section(key: &str, known: &Catalogue<'_>) -> Result<(), String> {
     /// Similarity, 0 to 1, from which on a key counts as a misspelling, which the reader reports.
     const MISSPELLED: f64 = 0.6;
     let similar = |known: &str| strsim::normalized_damerau_levenshtein(known, key) >= MISSPELLED;
+    if known.has_at_its_top(key) {
+        return Ok(());
+    }
+    let keys = known.all();
     let paths = keys.paths_of(key);
     if paths.iter().any(|path| path == key)
         || (paths.is_empty() && keys.keys.iter().any(|known| similar(known.name)))

@@ -4,11 +4,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::catalogue::Catalogue;
 use super::error::ScenarioErrors;
 use super::key::Keys;
 use super::origin::Origin;
 use super::reader::{Section, read_document};
-use super::{catalogue, file, tree};
+use super::{file, tree};
 
 /// Reads a TOML file with the keys that `read` declares. `kind` is what the file is in messages, such as `rig file`.
 ///
@@ -48,5 +49,5 @@ pub fn from_str<T>(
 
 /// Every key that `read` declares, under any choice.
 pub fn keys(read: impl Fn(&mut Section<'_>)) -> Keys {
-    catalogue::collect(read)
+    Catalogue::new(read).all()
 }

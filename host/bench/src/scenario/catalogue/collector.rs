@@ -7,21 +7,30 @@ use crate::scenario::origin::Origin;
 use crate::scenario::reader::{KnownKey, Section, SectionKeys, read_document};
 use crate::scenario::tree::{Node, Table, Value};
 
-/// Every key that `read` reads from a document, under any choice.
-pub(in crate::scenario) fn collect(read: impl Fn(&mut Section<'_>)) -> Keys {
-    let collector = Collector { origin: Origin::Option(Arc::from("")), read: Box::new(read) };
-    collector.keys(&Table::default(), &[], &[])
-}
-
 /// Unit of a key whose unit depends on a choice.
 const DEPENDS: &str = "as chosen";
 
-struct Collector<'a> {
+/// The keys that a reader reads from a document.
+pub(in crate::scenario) struct Catalogue<'a> {
     origin: Origin,
     read: Box<dyn Fn(&mut Section<'_>) + 'a>,
 }
 
-impl Collector<'_> {
+impl<'a> Catalogue<'a> {
+    pub(in crate::scenario) fn new(read: impl Fn(&mut Section<'_>) + 'a) -> Self {
+        Self { origin: Origin::Option(Arc::from("")), read: Box::new(read) }
+    }
+
+    /// Every key, under any choice: some hundred readings.
+    pub(in crate::scenario) fn all(&self) -> Keys {
+        self.keys(&Table::default(), &[], &[])
+    }
+
+    /// Whether `name` is a key or a section of the whole document: one reading.
+    pub(in crate::scenario) fn has_at_its_top(&self, name: &str) -> bool {
+        self.declared(&Table::default()).keys.iter().any(|known| known.key.name == name)
+    }
+
     /// The keys of the section at `path` in a document that makes the choices of `probe`. The choices in `made` are not varied.
     fn keys(&self, probe: &Table, path: &[&'static str], made: &[&'static str]) -> Keys {
         let probe = self.complete(probe.clone());

@@ -14,4 +14,4 @@ mod collector;
 mod json_schema;
 mod page;
 
-pub(super) use collector::collect;
+pub(super) use collector::Catalogue;
