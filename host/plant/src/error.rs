@@ -1,6 +1,6 @@
 //! Errors of plants and encoders.
 
-use crate::limits::{MAX_EVENTS, MAX_SIGNALS, MAX_SUBSTEPS};
+use crate::limits::{MAX_COORDINATE, MAX_EVENTS, MAX_SIGNALS, MAX_SUBSTEPS};
 
 /// A parameter outside its allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -63,9 +63,10 @@ pub enum PlantError {
         /// Length of the step.
         dt_s: f64,
     },
-    /// A coordinate became NaN or infinite.
+    /// A coordinate became NaN or larger than [`MAX_COORDINATE`].
     #[error(
-        "plant state is no longer finite after a torque of {torque_nm} N m; use more substeps or check the parameters"
+        "plant state exceeds {limit:e} after a torque of {torque_nm} N m; use more substeps or check the parameters",
+        limit = MAX_COORDINATE
     )]
     NotFinite {
         /// Torque of the step that diverged.

@@ -11,6 +11,7 @@ use nalgebra::Vector6;
 use crate::coordinates::{self, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
 use crate::error::validate_substeps;
 use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::limits::are_in_range;
 use crate::mechanics::in_range;
 use crate::mechanics_keys::keys;
 use crate::mode::{Contact, DryFriction, Flank};
@@ -186,8 +187,8 @@ impl HybridSystem for HardCoulomb {
         }
     }
 
-    fn is_finite(&self, x: &Vector6<f64>) -> bool {
-        x.iter().all(|coordinate| coordinate.is_finite())
+    fn is_in_range(&self, x: &Vector6<f64>) -> bool {
+        are_in_range(x)
     }
 }
 

@@ -11,6 +11,7 @@ use crate::coordinates;
 use crate::error::validate_substeps;
 use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::limits::are_in_range;
 use crate::mechanics_keys::keys;
 use crate::mode::Contact;
 use crate::{
@@ -97,8 +98,8 @@ impl HybridSystem for Smooth {
 
     fn settle(&self, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {}
 
-    fn is_finite(&self, x: &Vector6<f64>) -> bool {
-        x.iter().all(|coordinate| coordinate.is_finite())
+    fn is_in_range(&self, x: &Vector6<f64>) -> bool {
+        are_in_range(x)
     }
 }
 

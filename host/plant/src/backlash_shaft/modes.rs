@@ -5,6 +5,7 @@ use super::shaft::BacklashShaft;
 use super::state::{ShaftCoordinates, ShaftMode};
 use crate::coordinates::{LOAD_VELOCITY, MOTOR_VELOCITY};
 use crate::integrator::{HybridSystem, runge_kutta};
+use crate::limits::are_in_range;
 use crate::mode::{Contact, DryFriction, Flank};
 
 /// What may end a mode.
@@ -137,8 +138,8 @@ impl HybridSystem for BacklashShaft {
         self.at_rest(at, mode)
     }
 
-    fn is_finite(&self, at: &ShaftCoordinates) -> bool {
+    fn is_in_range(&self, at: &ShaftCoordinates) -> bool {
         let rest = [at.gap_position_rad, at.motor_torque_nm];
-        at.x.iter().chain(&rest).all(|coordinate| coordinate.is_finite())
+        are_in_range(at.x.iter().chain(&rest))
     }
 }

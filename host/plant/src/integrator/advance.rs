@@ -34,7 +34,7 @@ pub fn advance<S: HybridSystem>(
             substep_with_events(system, x, mode, torque_nm, substep_s)?;
         }
     }
-    if system.is_finite(x) { Ok(()) } else { Err(PlantError::NotFinite { torque_nm }) }
+    if system.is_in_range(x) { Ok(()) } else { Err(PlantError::NotFinite { torque_nm }) }
 }
 
 /// A substep in which a mode ends. We keep it out of line so that the common substep stays short.
@@ -72,6 +72,7 @@ mod tests {
 
     use super::*;
     use crate::integrator::runge_kutta::runge_kutta;
+    use crate::limits::are_in_range;
 
     /// A ball under constant acceleration over a floor at zero, where it stays after landing.
     struct Landing;
@@ -105,8 +106,8 @@ mod tests {
             landed
         }
 
-        fn is_finite(&self, x: &Vector2<f64>) -> bool {
-            x.iter().all(|coordinate| coordinate.is_finite())
+        fn is_in_range(&self, x: &Vector2<f64>) -> bool {
+            are_in_range(x)
         }
     }
 
@@ -140,7 +141,7 @@ mod tests {
             mode
         }
 
-        fn is_finite(&self, _x: &Vector2<f64>) -> bool {
+        fn is_in_range(&self, _x: &Vector2<f64>) -> bool {
             true
         }
     }

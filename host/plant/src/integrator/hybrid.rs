@@ -36,6 +36,6 @@ pub trait HybridSystem {
     /// The mode under a torque that has just changed; sets the coordinates that follow the torque without lag.
     fn settle(&self, x: &mut Self::State, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
 
-    /// Whether every coordinate is a finite number.
-    fn is_finite(&self, x: &Self::State) -> bool;
+    /// Whether every coordinate is within [`MAX_COORDINATE`](crate::limits::MAX_COORDINATE).
+    fn is_in_range(&self, x: &Self::State) -> bool;
 }

@@ -5,6 +5,7 @@ use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Environment, Mechanics, PlantError, RunningPlant, Start, Truth, TwoMass};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// Magnitudes between the bounds, uniform in their logarithm; sometimes a bound.
 fn size(low: f64, high: f64) -> impl Strategy<Value = f64> {
@@ -98,6 +99,8 @@ fn all_finite(truth: &Truth) -> bool {
         truth.gap_position_rad,
         truth.load_dry_friction_nm,
         truth.motor_dry_friction_nm,
+        truth.disturbing_torque_nm,
+        truth.energy_j(),
         truth.supplied_energy_j,
         truth.dissipated_energy_j,
     ]
@@ -124,7 +127,45 @@ fn torques() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(signed(1e-6, 1e6), 1..20)
 }
 
+/// The same cases in every run. `PROPTEST_CASES=100000` adds further ones.
+fn config() -> ProptestConfig {
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(0x1a54_100b),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+/// A spring far too stiff for the step: the state grows past 1e300, and torque and energy overflow before it does.
+#[test]
+fn a_diverging_plant_returns_an_error_before_any_signal_overflows() {
+    let mechanics = Mechanics {
+        motor_inertia_kg_m2: 1.0,
+        motor_friction_nm_s_rad: 0.0,
+        load_inertia_kg_m2: 2.3e-6,
+        load_friction_nm_s_rad: 0.0,
+        ratio: 1.0,
+        stiffness_nm_rad: 3.4e8,
+        dead_zone_rad: 1.0,
+    };
+    let start = Start {
+        load_position_rad: 51.0,
+        load_velocity_rad_s: 1.0,
+        motor_position_rad: 154.0,
+        motor_velocity_rad_s: 1.0,
+    };
+    let mut plant = RunningPlant::released(Smooth::new(mechanics, 1).expect("in range"), start);
+    let error = (0..100).find_map(|_| {
+        let stepped = plant.step(1.0, 0.0044);
+        assert!(stepped.is_err() || all_finite(&plant.truth()), "{:?}", plant.truth());
+        stepped.err()
+    });
+    assert!(matches!(error, Some(PlantError::NotFinite { .. })), "{error:?}");
+}
+
 proptest! {
+    #![proptest_config(config())]
+
     #[test]
     fn backlash_shaft_returns_finite_numbers_or_an_error(
         mechanics in mechanics(), parameters in parameters(), start in start(), torques in torques(),
