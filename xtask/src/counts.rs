@@ -4,6 +4,8 @@ use std::fmt;
 use std::io::{self, BufRead, BufReader};
 use std::ops::AddAssign;
 use std::process::{Command, ExitCode};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -49,16 +51,37 @@ impl Counts {
     pub(crate) fn step<C: Into<Self>>(&mut self, name: &str, run: impl FnOnce() -> Result<C>) {
         println!("== {name}");
         let (started, before) = (Instant::now(), cpu_time::of_children());
-        *self += run().map_or_else(
-            |error| {
-                println!("{name} failed: {error:#}");
-                Self::FAILED
-            },
-            Into::into,
-        );
+        *self += run().map_or_else(|error| Self::failed(name, &error), Into::into);
         if let Some((before, after)) = before.zip(cpu_time::of_children()) {
             println!("{name}: {:.0?}, {}", started.elapsed(), cpu_time::line(after - before));
         }
+    }
+
+    /// Prints why a step failed.
+    pub(crate) fn failed(name: &str, error: &anyhow::Error) -> Self {
+        println!("{name} failed: {error:#}");
+        Self::FAILED
+    }
+
+    /// Adds up the counts of `run` for each item. Items start in their order, `at_once` at a time.
+    pub(crate) fn of_each<T: Sync>(items: &[T], at_once: usize, run: impl Fn(&T) -> Self + Sync) -> Self {
+        let items = Mutex::new(items.iter());
+        let worker = || {
+            let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let mut sum = Self::default();
+            while let Some(item) = next() {
+                sum += run(item);
+            }
+            sum
+        };
+        thread::scope(|scope| {
+            let workers: Vec<_> = (0..at_once).map(|_| scope.spawn(worker)).collect();
+            let mut sum = Self::default();
+            for worker in workers {
+                sum += worker.join().unwrap_or(Self::FAILED);
+            }
+            sum
+        })
     }
 
     /// Prints the sum alone on the last line.
@@ -74,7 +97,7 @@ impl Counts {
     pub(crate) fn of_output(
         mut command: Command,
         read: impl Fn(&str) -> Option<Self>,
-        print: impl Fn(&str),
+        mut print: impl FnMut(&str),
     ) -> Result<Self> {
         let (name, cannot_start) = (command::name(&command), command::cannot_start(&command));
         let (reader, writer) = io::pipe()?;
@@ -136,7 +159,8 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use std::process::Command;
-    use std::sync::Mutex;
+    use std::sync::Barrier;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::Counts;
 
@@ -144,10 +168,9 @@ mod tests {
     fn of_script(script: &str, read: fn(&str) -> Option<Counts>) -> (Counts, Vec<String>) {
         let mut shell = Command::new("sh");
         shell.args(["-c", script]);
-        let lines = Mutex::new(Vec::new());
-        let keep = |line: &str| lines.lock().expect("one thread").push(line.to_owned());
-        let counts = Counts::of_output(shell, read, keep).expect("a shell");
-        (counts, lines.into_inner().expect("one thread"))
+        let mut lines = Vec::new();
+        let counts = Counts::of_output(shell, read, |line| lines.push(line.to_owned())).expect("a shell");
+        (counts, lines)
     }
 
     #[test]
@@ -187,6 +210,20 @@ mod tests {
         ] {
             assert_eq!(Counts::of_pytest(line), None, "{line}");
         }
+    }
+
+    #[test]
+    fn as_many_items_run_at_once_as_asked_and_each_once() {
+        // With one worker it would never end.
+        let (both, runs) = (Barrier::new(2), AtomicUsize::new(0));
+        let counts = Counts::of_each(&[1, 2, 3, 4], 2, |number| {
+            both.wait();
+            runs.fetch_add(1, Ordering::Relaxed);
+            Counts { passed: *number, ..Counts::default() }
+        });
+        assert_eq!((counts.passed, runs.into_inner()), (10, 4));
+        let panicking = Counts::of_each(&[()], 2, |()| panic!("a worker that panics"));
+        assert_eq!(panicking, Counts::FAILED);
     }
 
     #[test]

@@ -1,9 +1,6 @@
 //! The rings of tests: from tests of pure functions to the image in the emulator.
 
-use std::sync::{Mutex, PoisonError};
-use std::thread;
-
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 
 use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
@@ -98,53 +95,22 @@ const WAITING: (&str, &str) = ("tests looped", "soak::");
 /// The test program of the ring [`Ring::Python`]: drives in Python, which need a quiet machine.
 const PYTHON: &str = "tests python";
 
+/// Arguments of a test program that leave these modules out.
+fn without(modules: &[&str]) -> String {
+    modules.iter().map(|module| format!(" --skip {module}")).collect()
+}
+
 /// Runs the tests of a program but those of `timed` modules.
 fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
-    let skip: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
-    match program.name.as_str() {
-        // More threads than cores: tests of drives in other processes mostly wait for them.
-        name if name == WAITING.0 => at_once(
-            || program.run_on_shared_machine(WAITING.1),
-            || program.run_on_shared_machine(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
-        ),
-        _ => program.run_on_shared_machine(&skip),
+    if program.name != WAITING.0 {
+        return program.run_on_shared_machine(&without(timed));
     }
-}
-
-/// Runs two steps at the same time.
-fn at_once(
-    one: impl FnOnce() -> Result<Counts> + Send,
-    other: impl FnOnce() -> Result<Counts>,
-) -> Result<Counts> {
-    thread::scope(|scope| {
-        let one = scope.spawn(one);
-        let other = other();
-        let mut counts = one.join().unwrap_or_else(|_| bail!("the thread of a step panicked"))?;
-        counts += other?;
-        Ok(counts)
-    })
-}
-
-/// Runs the untimed tests of programs whose drives run in one process with them, some programs at a time. The output of each
-/// is printed at its end.
-fn run_at_once(programs: &[TestProgram], at_once: usize) -> Counts {
-    let programs = Mutex::new(programs.iter());
-    let run_next = || {
-        let mut counts = Counts::default();
-        let next = || programs.lock().unwrap_or_else(PoisonError::into_inner).next();
-        while let Some(program) = next() {
-            let timed = timed_modules(&program.name).iter();
-            counts += program.run(&timed.map(|module| format!(" --skip {module}")).collect::<String>());
-        }
-        counts
-    };
-    thread::scope(|scope| {
-        let mut counts = Counts::default();
-        for worker in (0..at_once).map(|_| scope.spawn(run_next)).collect::<Vec<_>>() {
-            counts += worker.join().unwrap_or(Counts::FAILED);
-        }
-        counts
-    })
+    // More threads than cores: tests of drives in other processes mostly wait for them.
+    let others = format!("--test-threads 3 --skip {}{}", WAITING.1, without(timed));
+    Ok(Counts::of_each(&[WAITING.1, &others], 2, |arguments| {
+        let counts = program.run_on_shared_machine(arguments);
+        counts.unwrap_or_else(|error| Counts::failed(&program.name, &error))
+    }))
 }
 
 impl Selection {
@@ -201,9 +167,12 @@ impl Selection {
         });
         programs.retain(|program| ring_of(&program.name) == Some(ring));
         if ring == Ring::Unit && self.timing != Some(Timing::Timed) {
-            // The last test of a program occupies one core; in the whole command other chores have the other.
+            // Drives run in one process with these tests. The last test of a program occupies one core; in the whole command other chores have the other.
             let at_once = if self.timing.is_none() { 2 } else { 1 };
-            counts.step("programs", || Ok(run_at_once(&programs, at_once)));
+            counts.step("programs", || {
+                let run = |it: &TestProgram| it.run(&without(timed_modules(&it.name)));
+                Ok(Counts::of_each(&programs, at_once, run))
+            });
         }
         for program in &programs {
             if program.name == PYTHON {

@@ -3,9 +3,9 @@
 //! A build needs both cores, an emulated board one, the network none, and builds of one target folder wait for each other:
 //! two chores at a time and one that waits keep both cores busy. Tests that measure time come last, when little else runs.
 
+use std::env;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
-use std::{env, slice, thread};
 
 use anyhow::Result;
 
@@ -51,7 +51,7 @@ pub(crate) const STAGES: [&[Queue]; 2] = [
                 "test browser",
             ],
         },
-        // Wait for the most part, for emulators whose clocks lag behind on a busier machine.
+        // Mostly wait for emulators, whose clocks lag behind on a busier machine.
         Queue { at_once: 1, chores: &["test image", "test usb", "test cluster"] },
     ],
     &[
@@ -73,16 +73,8 @@ pub(crate) fn run() -> Result<Counts> {
     let mut sum = Counts::default();
     let whole = Whole { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
     for queues in STAGES {
-        let queues: Vec<_> = queues.iter().map(|it| (it.at_once, Mutex::new(it.chores.iter()))).collect();
-        let whole = &whole;
-        thread::scope(|scope| {
-            let mut workers = Vec::new();
-            for (at_once, chores) in &queues {
-                workers.extend((0..*at_once).map(|_| scope.spawn(|| whole.run_chores(chores))));
-            }
-            for worker in workers {
-                sum += worker.join().unwrap_or(Counts::FAILED);
-            }
+        sum += Counts::of_each(queues, queues.len(), |queue| {
+            Counts::of_each(queue.chores, queue.at_once, |chore| whole.run_in_turn(chore))
         });
     }
     for line in reports::lines(&reports::folder())? {
@@ -103,24 +95,17 @@ struct Whole {
 }
 
 impl Whole {
-    /// Runs the next of the chores until there is none.
-    fn run_chores(&self, chores: &Mutex<slice::Iter<'_, &str>>) -> Counts {
-        let mut sum = Counts::default();
-        let next = || chores.lock().unwrap_or_else(PoisonError::into_inner).next().copied();
-        while let Some(chore) = next() {
-            if !WITHOUT_EQUIPMENT.contains(&chore) {
-                self.set_up.wait();
-            }
-            println!("== {chore}");
-            sum += self.run_chore(chore).unwrap_or_else(|error| {
-                println!("{chore} failed: {error:#}");
-                Counts::FAILED
-            });
-            if chore == SETUP {
-                self.set_up.get_or_init(|| ());
-            }
+    /// Runs a chore once its equipment is set up.
+    fn run_in_turn(&self, chore: &str) -> Counts {
+        if !WITHOUT_EQUIPMENT.contains(&chore) {
+            self.set_up.wait();
         }
-        sum
+        println!("== {chore}");
+        let counts = self.run_chore(chore).unwrap_or_else(|error| Counts::failed(chore, &error));
+        if chore == SETUP {
+            self.set_up.get_or_init(|| ());
+        }
+        counts
     }
 
     /// Runs one chore. Its output goes to its log; what isn't mere progress is also printed, with the time since the start

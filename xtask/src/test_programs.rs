@@ -1,10 +1,8 @@
 //! The test programs of the workspace, as cargo builds them.
 
-use std::cell::RefCell;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
@@ -58,16 +56,13 @@ impl TestProgram {
     /// Runs the program, prints its output at its end, and counts its tests.
     pub(crate) fn run(&self, arguments: &str) -> Counts {
         let started = Instant::now();
-        let output = RefCell::new(format!("== {}\n", self.name));
+        let mut output = format!("== {}\n", self.name);
         let counts = self.attempt(arguments, |line| {
-            let _ = writeln!(output.borrow_mut(), "{line}");
+            let _ = writeln!(output, "{line}");
         });
-        let mut output = output.into_inner();
-        let counts = counts.unwrap_or_else(|error| {
-            let _ = writeln!(output, "{} failed: {error:#}", self.name);
-            Counts::FAILED
-        });
-        println!("{output}{}: {:.0?}", self.name, started.elapsed());
+        print!("{output}");
+        let counts = counts.unwrap_or_else(|error| Counts::failed(&self.name, &error));
+        println!("{}: {:.0?}", self.name, started.elapsed());
         counts
     }
 
@@ -75,15 +70,11 @@ impl TestProgram {
     /// stall of some 100 ms fails a test of real time or of another process. What fails twice has failed; what passes then
     /// is reported by name.
     pub(crate) fn run_on_shared_machine(&self, arguments: &str) -> Result<Counts> {
-        let failed = Mutex::new(Vec::new());
+        let mut failed = Vec::new();
         let mut counts = self.attempt(arguments, |line| {
             println!("{line}");
-            failed
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .extend(failed_test(line).map(str::to_owned));
+            failed.extend(failed_test(line).map(str::to_owned));
         })?;
-        let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         // More than a few are no stall.
         if failed.len() > SECOND_ATTEMPTS {
             return Ok(counts);
@@ -100,7 +91,7 @@ impl TestProgram {
         Ok(counts)
     }
 
-    fn attempt(&self, arguments: &str, print: impl Fn(&str)) -> Result<Counts> {
+    fn attempt(&self, arguments: &str, print: impl FnMut(&str)) -> Result<Counts> {
         let mut tests = command(&self.path, arguments);
         tests.current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
         // Tests fail where their equipment is missing, but for the guest and Slurm, whose packages a machine may not be able to
