@@ -1,5 +1,6 @@
 //! The plant: keys, state, step and signals.
 
+use lashloop_plant::limits::are_in_range;
 use lashloop_plant::{Changes, Environment, Key, Plant, PlantError, PlantModel, Positions, Release, Signal};
 
 use crate::stage::Stage;
@@ -185,8 +186,7 @@ impl Plant for ThreeMasses {
         for _ in 0..self.substeps {
             self.advance(torque_nm, dt_s / f64::from(self.substeps));
         }
-        let is_finite = self.x.iter().all(|coordinate| coordinate.is_finite());
-        if is_finite { Ok(()) } else { Err(PlantError::NotFinite { torque_nm }) }
+        if are_in_range(&self.x) { Ok(()) } else { Err(PlantError::NotFinite { torque_nm }) }
     }
 
     /// The load stage wears. A gap that widens lets its spring unwind; the energy set free counts as dissipated.

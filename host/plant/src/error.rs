@@ -65,7 +65,7 @@ pub enum PlantError {
     },
     /// A coordinate became NaN or larger than [`MAX_COORDINATE`].
     #[error(
-        "plant state exceeds {limit:e} after a torque of {torque_nm} N m; use more substeps or check the parameters",
+        "plant state left the range of +-{limit:e} after a torque of {torque_nm} N m; use more substeps or check the parameters",
         limit = MAX_COORDINATE
     )]
     NotFinite {

@@ -13,7 +13,7 @@ pub const MAX_SIGNALS: usize = 48;
 /// is elastic, 5e216 J, at the largest stiffness and reduction ratio.
 pub const MAX_COORDINATE: f64 = 1e100;
 
-/// Whether each coordinate is a number within [`MAX_COORDINATE`].
-pub(crate) fn are_in_range<'a>(coordinates: impl IntoIterator<Item = &'a f64>) -> bool {
+/// Whether each coordinate is a number of at most [`MAX_COORDINATE`].
+pub fn are_in_range<'a>(coordinates: impl IntoIterator<Item = &'a f64>) -> bool {
     coordinates.into_iter().all(|coordinate| coordinate.abs() <= MAX_COORDINATE)
 }

@@ -84,9 +84,7 @@ fn needs_no_section(key: &str, known: &Catalogue<'_>) -> Result<(), String> {
     }
     let keys = known.all();
     let paths = keys.paths_of(key);
-    if paths.iter().any(|path| path == key)
-        || (paths.is_empty() && keys.keys.iter().any(|known| similar(known.name)))
-    {
+    if paths.is_empty() && keys.keys.iter().any(|known| similar(known.name)) {
         return Ok(());
     }
     let parameter = format!("controller.parameters.{}", spell_key(key));
