@@ -19,6 +19,8 @@ pub(crate) struct Counts {
     pub(crate) failed: u64,
     /// Tests that this machine can't run, each named where it is left out.
     pub(crate) left_out: u64,
+    /// Tests of wall-clock time that a busy machine spoiled twice, each named with what it saw.
+    pub(crate) not_judged: u64,
 }
 
 /// A step that succeeds.
@@ -33,19 +35,27 @@ impl AddAssign for Counts {
         self.passed += other.passed;
         self.failed += other.failed;
         self.left_out += other.left_out;
+        self.not_judged += other.not_judged;
     }
 }
 
 impl fmt::Display for Counts {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{} passed, {} failed", self.passed, self.failed)?;
-        if self.left_out > 0 { write!(out, ", {} left out", self.left_out) } else { Ok(()) }
+        for (count, what) in [(self.left_out, "left out"), (self.not_judged, "not judged")] {
+            if count > 0 {
+                write!(out, ", {count} {what}")?;
+            }
+        }
+        Ok(())
     }
 }
 
 impl Counts {
-    pub(crate) const PASSED: Self = Self { passed: 1, failed: 0, left_out: 0 };
-    pub(crate) const FAILED: Self = Self { passed: 0, failed: 1, left_out: 0 };
+    const NONE: Self = Self { passed: 0, failed: 0, left_out: 0, not_judged: 0 };
+    pub(crate) const PASSED: Self = Self { passed: 1, ..Self::NONE };
+    pub(crate) const FAILED: Self = Self { failed: 1, ..Self::NONE };
+    pub(crate) const NOT_JUDGED: Self = Self { not_judged: 1, ..Self::NONE };
 
     /// Adds the counts of a step. A step that fails doesn't keep later steps from running: one call reports every failure.
     pub(crate) fn step<C: Into<Self>>(&mut self, name: &str, run: impl FnOnce() -> Result<C>) {
@@ -63,19 +73,24 @@ impl Counts {
         Self::FAILED
     }
 
-    /// Adds up the counts of `run` for each item. Items start in their order, `at_once` at a time.
-    pub(crate) fn of_each<T: Sync>(items: &[T], at_once: usize, run: impl Fn(&T) -> Self + Sync) -> Self {
+    /// Adds up the counts of `run` for each item, which also gets the number of its worker. Items start in their order, `at_once`
+    /// at a time.
+    pub(crate) fn of_each<'a, T: Sync>(
+        items: &'a [T],
+        at_once: usize,
+        run: impl Fn(&'a T, usize) -> Self + Sync,
+    ) -> Self {
         let items = Mutex::new(items.iter());
-        let worker = || {
+        let work = |worker| {
             let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
             let mut sum = Self::default();
             while let Some(item) = next() {
-                sum += run(item);
+                sum += run(item, worker);
             }
             sum
         };
         thread::scope(|scope| {
-            let workers: Vec<_> = (0..at_once).map(|_| scope.spawn(worker)).collect();
+            let workers: Vec<_> = (0..at_once).map(|worker| scope.spawn(move || work(worker))).collect();
             let mut sum = Self::default();
             for worker in workers {
                 sum += worker.join().unwrap_or(Self::FAILED);
@@ -122,7 +137,7 @@ impl Counts {
 
     /// The line that a chore ends with, as [`fmt::Display`] writes it.
     pub(crate) fn of_sum(line: &str) -> Option<Self> {
-        Self::of_line(r"^(\d+) passed, (\d+) failed(?:, (\d+) left out)?$", line)
+        Self::of_line(r"^(\d+) passed, (\d+) failed(?:, (\d+) left out)?(?:, (\d+) not judged)?$", line)
     }
 
     /// `test result: ok. 3 passed; 0 failed; 0 ignored; ...`
@@ -133,7 +148,7 @@ impl Counts {
     fn of_line(pattern: &str, line: &str) -> Option<Self> {
         let captures = Regex::new(pattern).ok()?.captures(line)?;
         let count = |group| captures.get(group).map_or(Some(0), |count| count.as_str().parse().ok());
-        Some(Self { passed: count(1)?, failed: count(2)?, left_out: count(3)? })
+        Some(Self { passed: count(1)?, failed: count(2)?, left_out: count(3)?, not_judged: count(4)? })
     }
 
     /// `===== 2 failed, 40 passed, 1 error in 1.35s =====`
@@ -182,7 +197,7 @@ mod tests {
             printf end; exit 101",
             Counts::of_libtest,
         );
-        assert_eq!(counts, Counts { passed: 42, failed: 3, left_out: 1 });
+        assert_eq!(counts, Counts { passed: 42, failed: 3, left_out: 1, not_judged: 0 });
         assert_eq!(lines.len(), 6);
         assert_eq!(lines[2], "\u{fffd}");
         assert_eq!(lines[5], "end");
@@ -194,13 +209,13 @@ mod tests {
             "echo 'test result: ok. 2 passed; 0 failed; 0 ignored'; kill -9 $$",
             Counts::of_libtest,
         );
-        assert_eq!(counts, Counts { passed: 2, failed: 1, left_out: 0 });
+        assert_eq!(counts, Counts { passed: 2, failed: 1, ..Counts::default() });
     }
 
     #[test]
     fn a_skipped_test_of_pytest_counts_as_failed() {
         let line = "= 2 failed, 40 passed, 1 skipped, 3 warnings, 2 errors in 71.35s (0:01:11) =";
-        assert_eq!(Counts::of_pytest(line), Some(Counts { passed: 40, failed: 5, left_out: 0 }));
+        assert_eq!(Counts::of_pytest(line), Some(Counts { passed: 40, failed: 5, ..Counts::default() }));
         assert_eq!(Counts::of_pytest("1 passed in 0.01s"), Some(Counts::PASSED));
         for line in [
             "12 passed in 3.4s, prints a test",
@@ -216,20 +231,25 @@ mod tests {
     fn as_many_items_run_at_once_as_asked_and_each_once() {
         // With one worker it would never end.
         let (both, runs) = (Barrier::new(2), AtomicUsize::new(0));
-        let counts = Counts::of_each(&[1, 2, 3, 4], 2, |number| {
+        let counts = Counts::of_each(&[1, 2, 3, 4], 2, |number, _| {
             both.wait();
             runs.fetch_add(1, Ordering::Relaxed);
             Counts { passed: *number, ..Counts::default() }
         });
         assert_eq!((counts.passed, runs.into_inner()), (10, 4));
-        let panicking = Counts::of_each(&[()], 2, |()| panic!("a worker that panics"));
+        let panicking = Counts::of_each(&[()], 2, |(), _| panic!("a worker that panics"));
         assert_eq!(panicking, Counts::FAILED);
     }
 
     #[test]
     fn a_sum_is_read_as_it_is_written() {
-        for (left_out, text) in [(0, "1200 passed, 3 failed"), (15, "1200 passed, 3 failed, 15 left out")] {
-            let counts = Counts { passed: 1200, failed: 3, left_out };
+        for (left_out, not_judged, text) in [
+            (0, 0, "1200 passed, 3 failed"),
+            (15, 0, "1200 passed, 3 failed, 15 left out"),
+            (0, 2, "1200 passed, 3 failed, 2 not judged"),
+            (15, 2, "1200 passed, 3 failed, 15 left out, 2 not judged"),
+        ] {
+            let counts = Counts { passed: 1200, failed: 3, left_out, not_judged };
             assert_eq!(counts.to_string(), text);
             assert_eq!(Counts::of_sum(text), Some(counts));
         }

@@ -2,26 +2,26 @@
 
 use std::fs::{self, File};
 use std::io::Write;
+use std::mem;
 use std::path::PathBuf;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 use regex_lite::Regex;
 
-use crate::{cpu_time, paths};
+use crate::{cpu_time, one_test, paths};
 
 /// Status of cargo, a test that passed, progress of pytest and of a fuzzer.
 static PROGRESS: LazyLock<Regex> = LazyLock::new(|| {
     let cargo = "[ ]+[A-Z][a-z]+ (?:v?[0-9]|[a-z`(]|dev|DIR).*";
-    let libtest = r"running \d+ tests?|test .* \.\.\. ok|test .* has been running for .*|test result: ok\..*";
-    let pytest =
-        r".*\[ *\d+%\]|=+ test session starts =+|(?:platform|rootdir|configfile|plugins|testpaths): ?.*";
+    let libtest = r"running \d+ tests?|test .* \.\.\. ok(?:, [0-9.]+ s)?|test result: ok\..*";
+    let pytest = r".*\[ *\d+%\]|=+ slowest .*|\(\d+ durations .*|[0-9.]+s (?:call|setup|teardown) .*|=+ test session starts =+|(?:platform|rootdir|configfile|plugins|testpaths): ?.*";
     Regex::new(&format!("^(?:|{cargo}|{libtest}|{pytest}|#\\d+\t.*)$")).expect("a constant pattern")
 });
 
-/// The name of a test or a step that failed, also of one that passed at its second attempt.
+/// The name of a test or a step that failed, also of one that passed at its second attempt, was slow or gave no verdict.
 static FAILURE: LazyLock<Regex> = LazyLock::new(|| {
-    Regex::new(r"^(?:test .* \.\.\. FAILED|(?:FAILED|ERROR) \S+::.*|error(?:\[E\d+\])?: .*|.{1,60} failed: .*|.* ended with .*|second attempt of .*)$")
+    Regex::new(r"^(?:test .* \.\.\. (?:FAILED|not judged).*|test .* half of its limit|(?:FAILED|ERROR) \S+::.*|error(?:\[E\d+\])?: .*|.{1,60} failed: .*|.* ended with .*|second attempt of .*)$")
         .expect("a constant pattern")
 });
 
@@ -42,6 +42,7 @@ pub(crate) struct Log {
     file: Mutex<File>,
     failures: Mutex<Vec<String>>,
     cpu_time: Mutex<Option<String>>,
+    durations: Mutex<Vec<(f64, String)>>,
 }
 
 impl Log {
@@ -51,7 +52,12 @@ impl Log {
         let path = folder().join(format!("{}.log", chore.replace(' ', "-")));
         fs::create_dir_all(folder())?;
         let file = File::create(&path).with_context(|| format!("{} can't be created", path.display()))?;
-        Ok(Self { file: Mutex::new(file), failures: Mutex::default(), cpu_time: Mutex::default() })
+        Ok(Self {
+            file: Mutex::new(file),
+            failures: Mutex::default(),
+            cpu_time: Mutex::default(),
+            durations: Mutex::default(),
+        })
     }
 
     /// Appends a line. A disk that is full must not end the tests.
@@ -60,9 +66,18 @@ impl Log {
         if FAILURE.is_match(line) {
             self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_owned());
         }
+        if let Some((seconds, name)) = one_test::duration(line) {
+            let mut durations = self.durations.lock().unwrap_or_else(PoisonError::into_inner);
+            durations.push((seconds, name.to_owned()));
+        }
         if let Some(time) = cpu_time::read(line) {
             *self.cpu_time.lock().unwrap_or_else(PoisonError::into_inner) = Some(time.to_owned());
         }
+    }
+
+    /// Time in seconds and name of each test.
+    pub(crate) fn durations(&self) -> Vec<(f64, String)> {
+        mem::take(&mut self.durations.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// The processor time that the chore reported at its end.
@@ -88,7 +103,9 @@ mod tests {
             "   Compiling serde v1.0.228",
             "    Finished `dev` profile [optimized] target(s) in 1m 12s",
             "running 17 tests",
-            "test soak::a_minute ... ok",
+            "test tests looped: soak::a_minute ... ok, 61.20 s",
+            "test a ... ok",
+            "2.31s call     tests/test_link.py::test_pause",
             "test result: ok. 17 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 8.37s",
             "tests/test_host_runs.py .............                                    [ 61%]",
         ] {
@@ -96,7 +113,8 @@ mod tests {
         }
         for line in [
             "== tests looped",
-            "test soak::a_minute ... FAILED",
+            "test soak::a_minute ... FAILED, 1.00 s",
+            "test soak::a_minute has taken 90 s, half of its limit",
             "thread 'soak::a_minute' panicked at tests/looped/soak.rs:12:5:",
             "assertion `left == right` failed",
             "  left: 3",
@@ -112,7 +130,9 @@ mod tests {
     #[test]
     fn a_failure_is_known_by_its_line() {
         for line in [
-            "test soak::a_minute ... FAILED",
+            "test soak::a_minute ... FAILED, 1.00 s",
+            "test soak::a_minute ... not judged: 30 ms late, 1.00 s",
+            "test soak::a_minute has taken 90 s, half of its limit",
             "error[E0308]: mismatched types",
             "FAILED tests/test_link.py::test_pause - AssertionError",
             "image size failed: the image is too large",

@@ -14,6 +14,7 @@ mod header;
 mod image;
 mod licences;
 mod log;
+mod one_test;
 mod paths;
 mod python;
 mod reports;

@@ -1,11 +1,14 @@
 //! The rings of tests: from tests of pure functions to the image in the emulator.
 
+use std::time::Duration;
+
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 
 use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
+use crate::one_test::{Conditions, Test, run_each};
 use crate::python::Project;
 use crate::test_programs::{self, TestProgram};
 use crate::{dist, fuzz, image, silicon, size};
@@ -68,56 +71,37 @@ fn ring_of(program: &str) -> Option<Ring> {
     }
 }
 
-/// Modules of a test program whose tests run in real time or measure time: they need a quiet machine.
-fn timed_modules(program: &str) -> &'static [&'static str] {
-    match program {
-        "host/bench lashloop_bench" => &["real_time::"],
-        "host/link lashloop_link" => &["uart_model::"],
-        "tests looped" => &[
-            "budget::",
-            "capture::a_bench_killed_in_real_time",
-            "capture::a_real_time",
-            "compared::",
-            "fault_table::every_row_of_the_table_holds_on_the_native_twin",
-            "idle::",
-            "real_time::",
-            "reconnect::",
-            "speed::",
-            "wire::",
-        ],
-        _ => &[],
-    }
-}
-
-/// A test program, and its module whose tests mostly wait: they run at the same time as its other untimed tests.
-const WAITING: (&str, &str) = ("tests looped", "soak::");
+/// The module of tests that measure wall-clock time, which run one at a time on a machine as quiet as we can make it.
+const WALL_CLOCK: (&str, &str) = ("tests looped", "wall_clock::");
 
 /// The test program of the ring [`Ring::Python`]: drives in Python, which need a quiet machine.
 const PYTHON: &str = "tests python";
 
-/// Arguments of a test program that leave these modules out.
-fn without(modules: &[&str]) -> String {
-    modules.iter().map(|module| format!(" --skip {module}")).collect()
-}
-
-/// Runs the tests of a program but those of `timed` modules.
-fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
-    if program.name != WAITING.0 {
-        return program.run_on_shared_machine(&without(timed));
+impl Ring {
+    /// How the tests of the ring run. The limit is several times what the slowest takes with both cores busy.
+    fn conditions(self) -> Conditions {
+        let conditions = |at_once, minutes: u64, has_second_attempt| Conditions {
+            at_once,
+            limit: Duration::from_secs(60 * minutes),
+            has_second_attempt,
+        };
+        match self {
+            // Drives run in one process with these tests.
+            Self::Unit => conditions(2, 5, false),
+            // More than cores: these tests mostly wait for drives in other processes.
+            Self::Loop => conditions(4, 10, true),
+            // One after the other: bench and drive take turns on the cores.
+            Self::Python => conditions(1, 10, true),
+            _ => conditions(2, 10, true),
+        }
     }
-    // More threads than cores: tests of drives in other processes mostly wait for them.
-    let others = format!("--test-threads 3 --skip {}{}", WAITING.1, without(timed));
-    Ok(Counts::of_each(&[WAITING.1, &others], 2, |arguments| {
-        let counts = program.run_on_shared_machine(arguments);
-        counts.unwrap_or_else(|error| Counts::failed(&program.name, &error))
-    }))
 }
 
 impl Selection {
     pub(crate) fn run(&self, ring: Ring) -> Counts {
         let mut counts = Counts::default();
         match ring {
-            Ring::Unit if self.timing != Some(Timing::Timed) => {
+            Ring::Unit => {
                 counts.step("documentation examples", documentation);
             }
             Ring::Image => {
@@ -143,7 +127,10 @@ impl Selection {
             Ring::Chip => {
                 counts.step("image", image::build);
                 counts.step("image of the probe", silicon::build_probe);
-                counts.step("virtual silicon, its own tests", silicon::test);
+                counts.step("virtual silicon, its own tests", || {
+                    let programs = silicon::test_programs()?;
+                    Ok(run_each(&tests_of(&programs)?, ring.conditions()))
+                });
                 return counts;
             }
             Ring::Browser => {
@@ -158,7 +145,7 @@ impl Selection {
             Ring::Loop if self.timing != Some(Timing::Timed) => {
                 counts.step("static program", || dist::make(dist::Profile::Dev));
             }
-            Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
+            Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
         }
         let mut programs = Vec::new();
         counts.step("test programs", || {
@@ -166,32 +153,35 @@ impl Selection {
             Ok(Counts::default())
         });
         programs.retain(|program| ring_of(&program.name) == Some(ring));
-        if ring == Ring::Unit && self.timing != Some(Timing::Timed) {
-            // Drives run in one process with these tests. The last test of a program occupies one core; in the whole command other chores have the other.
-            let at_once = if self.timing.is_none() { 2 } else { 1 };
-            counts.step("programs", || {
-                let run = |it: &TestProgram| it.run(&without(timed_modules(&it.name)));
-                Ok(Counts::of_each(&programs, at_once, run))
+        let (whole, programs): (Vec<_>, Vec<_>) =
+            programs.iter().partition(|it| [test_programs::USB, test_programs::CLUSTER].contains(&&*it.name));
+        for program in whole {
+            counts.step(&program.name, || program.run_whole());
+        }
+        counts.step("tests", || {
+            let (wall_clock, others): (Vec<_>, Vec<_>) = tests_of(programs)?.into_iter().partition(|it| {
+                (it.program.name.as_str(), it.name.starts_with(WALL_CLOCK.1)) == (WALL_CLOCK.0, true)
             });
-        }
-        for program in &programs {
-            if program.name == PYTHON {
-                // One after the other: bench and drive take turns on the cores.
-                counts.step(PYTHON, || program.run_on_shared_machine("--test-threads 1"));
-                continue;
+            let mut counts = Counts::default();
+            if self.timing != Some(Timing::Timed) || ring == Ring::Python {
+                counts += run_each(&others, ring.conditions());
             }
-            let timed = timed_modules(&program.name);
-            if ring != Ring::Unit && self.timing != Some(Timing::Timed) {
-                counts.step(&program.name, || run_untimed(program, timed));
+            if self.timing != Some(Timing::Untimed) {
+                let alone = Conditions { at_once: 1, has_second_attempt: false, ..ring.conditions() };
+                counts += run_each(&wall_clock, alone);
             }
-            if self.timing != Some(Timing::Untimed) && !timed.is_empty() {
-                counts.step(&format!("{}, timed", program.name), || {
-                    program.run_on_shared_machine(&timed.join(" "))
-                });
-            }
-        }
+            Ok(counts)
+        });
         counts
     }
+}
+
+fn tests_of<'a>(programs: impl IntoIterator<Item = &'a TestProgram>) -> Result<Vec<Test<'a>>> {
+    let mut tests = Vec::new();
+    for program in programs {
+        tests.extend(program.tests()?);
+    }
+    Ok(tests)
 }
 
 /// The examples in doc comments.

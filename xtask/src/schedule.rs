@@ -35,6 +35,9 @@ const COMPUTING: [&str; 2] = [FUZZ, "test chip"];
 
 const FUZZ: &str = "test fuzz --seconds 10";
 
+/// Tests named at the end.
+const SLOWEST: usize = 10;
+
 /// The queues of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Queue]; 2] = [
     &[
@@ -43,7 +46,7 @@ pub(crate) const STAGES: [&[Queue]; 2] = [
             chores: &[
                 "check",
                 SETUP,
-                "test unit --timing untimed",
+                "test unit",
                 "test silicon",
                 FUZZ,
                 "test loop --timing untimed",
@@ -55,15 +58,12 @@ pub(crate) const STAGES: [&[Queue]; 2] = [
         Queue { at_once: 1, chores: &["test image", "test usb", "test cluster"] },
     ],
     &[
-        Queue {
-            at_once: 1,
-            chores: &["test python --timing timed", "test loop --timing timed", "test unit --timing timed"],
-        },
+        Queue { at_once: 1, chores: &["test python --timing timed", "test loop --timing timed"] },
         Queue { at_once: 1, chores: &[IN_BACKGROUND] },
     ],
 ];
 
-/// Runs the stages, and prints the reports of the tests, the time of each chore, and the names of what failed.
+/// Runs the stages, and prints the reports of the tests, the time of each chore, the names of what failed and of the slowest tests.
 ///
 /// # Errors
 /// The folder of the reports or of the logs can't be cleared or read.
@@ -71,10 +71,15 @@ pub(crate) fn run() -> Result<Counts> {
     reports::clear(&reports::folder())?;
     reports::clear(&log::folder())?;
     let mut sum = Counts::default();
-    let whole = Whole { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
+    let whole = Whole {
+        started: Instant::now(),
+        set_up: OnceLock::new(),
+        recap: Mutex::default(),
+        durations: Mutex::default(),
+    };
     for queues in STAGES {
-        sum += Counts::of_each(queues, queues.len(), |queue| {
-            Counts::of_each(queue.chores, queue.at_once, |chore| whole.run_in_turn(chore))
+        sum += Counts::of_each(queues, queues.len(), |queue, _| {
+            Counts::of_each(queue.chores, queue.at_once, |chore, _| whole.run_in_turn(chore))
         });
     }
     for line in reports::lines(&reports::folder())? {
@@ -83,6 +88,13 @@ pub(crate) fn run() -> Result<Counts> {
     for line in whole.recap.into_inner().unwrap_or_else(PoisonError::into_inner) {
         println!("{line}");
     }
+    let mut durations = whole.durations.into_inner().unwrap_or_else(PoisonError::into_inner);
+    durations.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+    println!("the slowest tests:");
+    for (seconds, name) in durations.iter().take(SLOWEST) {
+        println!("{seconds:8.1} s  {name}");
+    }
+    println!("tests of wall-clock time without a verdict: {}", sum.not_judged);
     Ok(sum)
 }
 
@@ -92,6 +104,8 @@ struct Whole {
     set_up: OnceLock<()>,
     /// Lines to repeat at the end.
     recap: Mutex<Vec<String>>,
+    /// Time in seconds and name of each test.
+    durations: Mutex<Vec<(f64, String)>>,
 }
 
 impl Whole {
@@ -127,6 +141,7 @@ impl Whole {
         let mut command = command("nice", &format!("-n {niceness}"));
         command.arg(env::current_exe()?).args(chore.split(' '));
         let counts = Counts::of_output(command, Counts::of_sum, print);
+        self.durations.lock().unwrap_or_else(PoisonError::into_inner).extend(log.durations());
         let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);
         let result = counts.as_ref().map_or_else(|error| format!("{error:#}"), Counts::to_string);
         let cpu_time = log.cpu_time().map_or_else(String::new, |time| format!(" ({time})"));

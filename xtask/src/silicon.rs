@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 
 use crate::arm_toolchain::ArmToolchain;
 use crate::command::{cargo, run};
-use crate::counts::Counts;
+use crate::test_programs::{self, TestProgram};
 use crate::{image, paths};
 
 /// The image of virtual silicon's own tests, and where it is built from.
@@ -32,12 +32,12 @@ pub(crate) fn build_probe() -> Result<()> {
     image::publish(program, program)
 }
 
-/// Builds its own tests and runs them.
+/// Builds its own tests.
 ///
 /// # Errors
 /// They don't build.
-pub(crate) fn test() -> Result<Counts> {
-    Counts::of_output(in_workspace("test --no-fail-fast"), Counts::of_libtest, |line| println!("{line}"))
+pub(crate) fn test_programs() -> Result<Vec<TestProgram>> {
+    test_programs::build_with(in_workspace("test"))
 }
 
 /// A cargo command there. The models' manifest asks for a later compiler than the pinned one, which builds them all the same.

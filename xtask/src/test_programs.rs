@@ -1,15 +1,15 @@
 //! The test programs of the workspace, as cargo builds them.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::command::{cargo, command, output};
+use crate::command::{cargo, command, output, run};
 use crate::counts::Counts;
+use crate::one_test::{Test, taken};
 use crate::{paths, slurm, usb_guest};
 
 /// The test program of the Linux guest.
@@ -18,24 +18,31 @@ pub(crate) const USB: &str = "tests usb";
 /// The test program of campaigns on a cluster.
 pub(crate) const CLUSTER: &str = "tests cluster";
 
-/// Most failed tests of a program that get a second attempt.
-const SECOND_ATTEMPTS: usize = 3;
-
 pub(crate) struct TestProgram {
     /// Folder of the package and name of the program: `host/bench scenario`.
     pub(crate) name: String,
-    path: PathBuf,
+    pub(crate) path: PathBuf,
     /// The folder of the package, which tests expect as their working directory.
-    folder: PathBuf,
+    pub(crate) folder: PathBuf,
 }
 
-/// Builds all test programs.
+/// Builds all test programs, and the programs that they start.
 ///
 /// # Errors
 /// They don't build, or cargo lists none.
 pub(crate) fn build() -> Result<Vec<TestProgram>> {
-    let mut build = cargo("test --workspace --no-run --message-format json-render-diagnostics");
-    let messages = output(build.stderr(Stdio::inherit()))?;
+    let programs = build_with(cargo("test --workspace"))?;
+    run(&mut cargo("programs --quiet"))?;
+    Ok(programs)
+}
+
+/// Builds the test programs of a `cargo test`.
+///
+/// # Errors
+/// As [`build`].
+pub(crate) fn build_with(mut test: Command) -> Result<Vec<TestProgram>> {
+    test.args(["--no-run", "--message-format", "json-render-diagnostics"]);
+    let messages = output(test.stderr(Stdio::inherit()))?;
     let messages = messages.lines().map(serde_json::from_str).collect::<Result<Vec<Value>, _>>();
     let messages = messages.context("the messages of cargo aren't JSON")?;
     let programs: Vec<_> = messages.iter().filter_map(TestProgram::of).collect();
@@ -53,47 +60,42 @@ impl TestProgram {
         Some(Self { name, path: path.into(), folder: folder.to_owned() })
     }
 
-    /// Runs the program, prints its output at its end, and counts its tests.
-    pub(crate) fn run(&self, arguments: &str) -> Counts {
-        let started = Instant::now();
-        let mut output = format!("== {}\n", self.name);
-        let counts = self.attempt(arguments, |line| {
-            let _ = writeln!(output, "{line}");
-        });
-        print!("{output}");
-        let counts = counts.unwrap_or_else(|error| Counts::failed(&self.name, &error));
-        println!("{}: {:.0?}", self.name, started.elapsed());
-        counts
+    /// The tests of a program with the harness of Rust.
+    ///
+    /// # Errors
+    /// The program can't be run.
+    pub(crate) fn tests(&self) -> Result<Vec<Test<'_>>> {
+        let list = output(command(&self.path, "--list --format terse").current_dir(&self.folder))?;
+        let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
+        Ok(names.map(|name| Test { program: self, name: name.to_owned() }).collect())
     }
 
-    /// Runs the program like [`run`](Self::run), and each test that fails once more by itself: on a machine that others use, a
-    /// stall of some 100 ms fails a test of real time or of another process. What fails twice has failed; what passes then
-    /// is reported by name.
-    pub(crate) fn run_on_shared_machine(&self, arguments: &str) -> Result<Counts> {
-        let mut failed = Vec::new();
-        let mut counts = self.attempt(arguments, |line| {
-            println!("{line}");
-            failed.extend(failed_test(line).map(str::to_owned));
-        })?;
-        // More than a few are no stall.
-        if failed.len() > SECOND_ATTEMPTS {
-            return Ok(counts);
-        }
-        for name in &failed {
-            let again = self.attempt(&format!("--exact {name}"), |line| println!("{line}"))?;
-            let passes = again == Counts::PASSED;
-            println!("second attempt of {name}: {}", if passes { "passed" } else { "not passed" });
-            if passes {
-                counts.passed += 1;
-                counts.failed = counts.failed.saturating_sub(1);
+    /// Runs all tests of a program with a harness of its own, whose tests share what takes long to start. The time of a test
+    /// is that since the test before.
+    ///
+    /// # Errors
+    /// The program can't be run.
+    pub(crate) fn run_whole(&self) -> Result<Counts> {
+        let mut tests = command(&self.path, "");
+        tests.current_dir(&self.folder).envs(self.environment());
+        let mut since = Instant::now();
+        Counts::of_output(tests, Counts::of_libtest, |line| {
+            let test = line.strip_prefix("test ").filter(|line| line.contains(" ... "));
+            match test {
+                Some(test) => println!("test {}: {test}, {}", self.name, taken(since.elapsed())),
+                None => println!("{line}"),
             }
-        }
-        Ok(counts)
+            if test.is_some() {
+                since = Instant::now();
+            }
+        })
     }
 
-    fn attempt(&self, arguments: &str, print: impl FnMut(&str)) -> Result<Counts> {
-        let mut tests = command(&self.path, arguments);
-        tests.current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
+    /// What its tests learn of their environment.
+    pub(crate) fn environment(&self) -> Vec<(&str, &str)> {
+        let folder = self.folder.to_str().map(|folder| ("CARGO_MANIFEST_DIR", folder));
+        let mut variables = vec![("LASHLOOP_PROGRAMS_ARE_BUILT", "1")];
+        variables.extend(folder);
         // Tests fail where their equipment is missing, but for the guest and Slurm, whose packages a machine may not be able to
         // download: they are counted as left out.
         let is_required = match self.name.as_str() {
@@ -102,22 +104,14 @@ impl TestProgram {
             _ => true,
         };
         if is_required {
-            tests.env("LASHLOOP_REQUIRE_EQUIPMENT", "1");
+            variables.push(("LASHLOOP_REQUIRE_EQUIPMENT", "1"));
         }
-        let counts = Counts::of_output(tests, Counts::of_libtest, print)?;
-        let has_run = arguments.is_empty() || counts != Counts::default();
-        ensure!(has_run, "no test of {} matches {arguments}", self.name);
-        Ok(counts)
+        variables
     }
 }
 
-/// The name in the line of a test that failed.
-fn failed_test(line: &str) -> Option<&str> {
-    line.strip_prefix("test ")?.strip_suffix(" ... FAILED").map(str::trim_end)
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::fs::{self, Permissions};
     use std::os::unix::fs::PermissionsExt;
 
@@ -127,8 +121,8 @@ mod tests {
     use crate::counts::Counts;
     use crate::paths;
 
-    /// A shell script in place of a test program.
-    fn script(text: &str) -> (tempfile::TempDir, TestProgram) {
+    /// A shell script that acts as a test program.
+    pub(crate) fn script(text: &str) -> (tempfile::TempDir, TestProgram) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("tests");
         fs::write(&path, format!("#!/bin/sh\n{text}\n")).expect("a script");
@@ -137,39 +131,19 @@ mod tests {
         (folder, program)
     }
 
-    /// Of the tests `a`, `b`, `c` two fail at the first attempt, and `b` for good.
-    const ONE_STALL: &str = "case \"$*\" in
-        *--exact\\ a) echo 'test result: ok. 1 passed; 0 failed; 0 ignored';;
-        *--exact\\ b) echo 'test result: FAILED. 0 passed; 1 failed; 0 ignored'; exit 101;;
-        *) echo 'test a ... FAILED'; echo 'test b ... FAILED'; echo 'test c ... ok'
-           echo 'test result: FAILED. 1 passed; 2 failed; 0 ignored'; exit 101;;
-        esac";
-
     #[test]
-    fn a_test_that_fails_twice_has_failed_and_one_that_fails_once_has_passed() {
-        let (_folder, program) = script(ONE_STALL);
-        let run = program.run_on_shared_machine("").expect("a script");
-        assert_eq!(run, Counts { passed: 2, failed: 1, left_out: 0 });
-        assert_eq!(program.run(""), Counts { passed: 1, failed: 2, left_out: 0 });
+    fn the_tests_of_a_program_are_listed_and_its_benchmarks_are_not() {
+        let (_folder, program) = script("printf 'a::b: test\\nc: benchmark\\nd: test\\n'");
+        let tests = program.tests().expect("a list");
+        assert_eq!(tests.iter().map(ToString::to_string).collect::<Vec<_>>(), ["script: a::b", "script: d"]);
     }
 
     #[test]
-    fn a_filter_that_matches_no_test_is_an_error() {
-        let (_folder, program) = script("echo 'test result: ok. 0 passed; 0 failed; 0 ignored; 0 measured'");
-        assert_eq!(program.run("wire::"), Counts::FAILED);
-        assert!(program.run_on_shared_machine("wire::").is_err());
-        assert_eq!(program.run(""), Counts::default());
-    }
-
-    #[test]
-    fn a_program_that_fails_in_many_tests_gets_no_second_attempt() {
-        let (_folder, program) = script(
-            "case \"$*\" in *--exact*) echo 'test result: ok. 1 passed; 0 failed; 0 ignored'; exit;; esac
-            for i in 1 2 3 4; do echo \"test a$i ... FAILED\"; done
-            echo 'test result: FAILED. 0 passed; 4 failed; 0 ignored'; exit 101",
-        );
-        let run = program.run_on_shared_machine("").expect("a script");
-        assert_eq!(run, Counts { passed: 0, failed: 4, left_out: 0 });
+    fn a_program_with_a_harness_of_its_own_runs_once() {
+        let (_folder, program) =
+            script("echo 'test result: FAILED. 3 passed; 1 failed; 2 ignored'; exit 101");
+        let counts = program.run_whole().expect("a script");
+        assert_eq!(counts, Counts { passed: 3, failed: 1, left_out: 2, not_judged: 0 });
     }
 
     #[test]
