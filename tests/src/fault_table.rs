@@ -276,11 +276,12 @@ pub fn check_healthy_on(device: &str) {
     assert_eq!(summary["faults"].as_array().map(Vec::len), Some(0));
 }
 
-/// The drive's watchdog takes the torque away when samples stay away, within its own time: that of the drive.
+/// The drive's watchdog takes the torque away when samples stay away for its time, `late_s` later at most: by the clock of the
+/// drive.
 ///
 /// # Panics
 /// It doesn't.
-pub fn check_watchdog_on(device: &str) {
+pub fn check_watchdog_on(device: &str, late_s: f64) {
     let row = Row {
         fault: "kind = \"link-stall\"; at_s = 2.0; for_s = 0.001; way = \"to-drive\"".to_owned(),
         with: vec!["controller.parameters.watchdog_us=200000".to_owned()],
@@ -297,8 +298,7 @@ pub fn check_watchdog_on(device: &str) {
     let (value_s, limit_s): (f64, f64) =
         (value_s.parse().expect("a time"), limit_s.parse().expect("a limit"));
     assert!((limit_s - 0.2).abs() < 1e-6, "{end}");
-    // The drive looks about every millisecond; a busy machine may keep it from looking for a while.
-    assert!(value_s > limit_s && value_s < 2.0 * limit_s, "{end}");
+    assert!(value_s >= limit_s && value_s < limit_s + late_s, "{end}");
     assert!(ended.stdout.contains("ENDED  the drive latched Watchdog"), "{}", ended.stdout);
 }
 
@@ -311,8 +311,10 @@ pub fn check_pause_on(device: &str) {
     use rustix::process::Signal;
     let run = |pause: bool| {
         let records = Records::new();
+        // Longer than the signal takes on a busy machine.
         let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &records.out()];
-        let bench = program::Running::start(arguments.into_iter().chain(["--set", "record.flush_rows=10"]));
+        let arguments = arguments.into_iter().chain(["--set", "run.duration_s=24", "--set", "expect=[]"]);
+        let bench = program::Running::start(arguments.chain(["--set", "record.flush_rows=10"]));
         if pause {
             records.wait_for_rows();
             bench.signal(Signal::STOP);

@@ -12,6 +12,7 @@
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
 //! | [`elf`] | small ELF files for the Cortex-M |
 //! | [`rom_loader`] | the boot loader of the chip on a pseudo-terminal |
+//! | [`scripted`] | runs in real time on a clock that moves only when waited for |
 //! | [`relay`] | a line that can drop, damage, duplicate and disconnect |
 //! | [`records`] | `summary.json` and `trace.csv` |
 //! | [`processes`] | other processes: children, processor time, signals |
@@ -19,10 +20,11 @@
 //! | [`paper`] | the paper's four runs and their pinned torque digests |
 //! | [`walk`] | a page of `docs/extend`, command by command |
 //! | [`wait`] | conditions with deadlines |
+//! | [`witness`] | witnesses of a busy machine, for tests of wall-clock time |
 //! | [`usb`] | USB devices in software |
 //! | [`usb_guest`] | a Linux guest with real USB drivers |
 //! | [`optional`] | tests that need equipment which a checkout does not include |
-//! | [`own_core`] | a core for each worker thread and its children |
+//! | [`own_core`] | a core for each worker and its children |
 //!
 //! Waits are conditions with deadlines, and every process ends with the test that started it.
 
@@ -42,12 +44,14 @@ pub mod python;
 pub mod records;
 pub mod relay;
 pub mod rom_loader;
+pub mod scripted;
 pub mod terminal;
 pub mod twin;
 pub mod usb;
 pub mod usb_guest;
 pub mod wait;
 pub mod walk;
+pub mod witness;
 
 use std::path::Path;
 

@@ -6,13 +6,16 @@ use std::time::Instant;
 use super::LinkError;
 use super::deadline::remaining;
 
-/// Which clock a link with a time of its own follows.
+/// The clock that a link with a time of its own follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeBase {
-    /// Virtual time: it advances only while the bench waits, and then at once.
+    /// Virtual time: it advances only while the bench waits, and then at once. A modelled UART takes wall-clock time all the
+    /// same.
     Virtual,
     /// Wall-clock time.
     WallClock,
+    /// Virtual time for real time, a modelled UART included: a run depends on what the link does alone, not on the machine.
+    Scripted,
 }
 
 /// Carries bytes to a drive and back.

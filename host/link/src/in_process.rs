@@ -178,7 +178,7 @@ impl<L: LawSet> Link for InProcess<L> {
     fn set_time_base(&mut self, time_base: TimeBase) {
         let now = self.clock.now();
         self.clock = match time_base {
-            TimeBase::Virtual => DeviceClock::Virtual { now },
+            TimeBase::Virtual | TimeBase::Scripted => DeviceClock::Virtual { now },
             TimeBase::WallClock => {
                 // From here on the link's time is the wall clock's, and device time goes on from where it is.
                 let start = Instant::now();

@@ -63,9 +63,9 @@ impl Session {
             }
         }
         let sequence = of_step(step);
-        self.timestamps.asked = Instant::now();
+        self.timestamps.asked = self.line.timestamp();
         self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
-        self.timestamps.sent = Instant::now();
+        self.timestamps.sent = self.line.timestamp();
         self.line.last_seen.sample_sent = Some(step);
         let log_mark = self.line.logs.mark();
         let answered = self.answered;
@@ -96,7 +96,7 @@ impl Session {
             _ => None,
         })?;
         self.timestamps.arrived = self.line.arrived;
-        self.timestamps.decoded = Instant::now();
+        self.timestamps.decoded = self.line.timestamp();
         self.late += late;
         match answer {
             Some(Ok(exchange)) => {

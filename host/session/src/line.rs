@@ -41,7 +41,8 @@ pub struct Line {
     pub logs: Logs,
     collector: Collector,
     pub(crate) patience: Patience,
-    /// When the bytes decoded last were read, in wall-clock time.
+    time_base: TimeBase,
+    /// When the bytes decoded last were read, as [`Line::timestamp`] gives it.
     pub arrived: Instant,
 }
 
@@ -65,6 +66,7 @@ impl Line {
             logs: Logs::default(),
             collector: Collector::default(),
             patience: Patience::default(),
+            time_base: TimeBase::WallClock,
             arrived: Instant::now(),
         }
     }
@@ -141,7 +143,7 @@ impl Line {
                     return Ok(None);
                 }
                 Ok(count) => {
-                    self.arrived = Instant::now();
+                    self.arrived = self.timestamp();
                     self.collector.read(count);
                     self.unread = 0..count;
                 }
@@ -165,7 +167,13 @@ impl Line {
 
     /// Chooses the clock of a link that has a time of its own.
     pub fn set_time_base(&mut self, time_base: TimeBase) {
+        self.time_base = time_base;
         self.link.set_time_base(time_base);
+    }
+
+    /// The present time for measurements: of the wall clock, unless time is scripted.
+    pub fn timestamp(&mut self) -> Instant {
+        if self.time_base == TimeBase::Scripted { self.link.now() } else { Instant::now() }
     }
 
     /// Announces that nothing is sent or received until `until`, see [`Link::idle`].

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// The timestamps of one exchange on the bench's side, in wall-clock time.
+/// The timestamps of one exchange on the bench's side, as [`Line::timestamp`](crate::line::Line::timestamp) gives them.
 #[derive(Debug, Clone, Copy)]
 pub struct Timestamps {
     /// Before the sample was written to the link.

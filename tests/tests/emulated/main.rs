@@ -30,7 +30,7 @@ const TRIALS: [(&str, Check); 16] = [
     ("conforming::the_image_passes_every_check_it_can_show", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
-        fault_table::check_watchdog_on("qemu");
+        fault_table::check_watchdog_on("qemu", 0.2);
     }),
     ("faults::a_pause_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
     ("flash::the_bytes_for_the_flash_boot_and_report_the_build_of_the_elf", flash::bytes_boot),

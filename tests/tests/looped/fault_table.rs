@@ -54,7 +54,7 @@ fn the_table_has_every_kind_of_fault() {
 
 #[test]
 fn the_watchdog_removes_the_torque_in_time() {
-    fault_table::check_watchdog_on("native");
+    fault_table::check_watchdog_on("inproc", 0.001);
 }
 
 #[test]

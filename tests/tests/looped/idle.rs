@@ -11,7 +11,7 @@ use tests::terminal;
 use tests::twin::Twin;
 
 /// Time of observation.
-const WATCHED: Duration = Duration::from_secs(2);
+const WATCHED: Duration = Duration::from_secs(1);
 /// Largest load of a core, in percent.
 const LIMIT_PERCENT: f64 = 2.0;
 

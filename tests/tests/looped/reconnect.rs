@@ -6,6 +6,8 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use lashloop_bench::run::End;
+use lashloop_bench::timing::StepOutcome;
 use rustix::process::Signal;
 use serde_json::Value;
 use tests::loss;
@@ -13,6 +15,7 @@ use tests::paper::PATIENCE;
 use tests::program::{self, Running};
 use tests::records::{Records, Trace};
 use tests::relay::{Action, Relay};
+use tests::scripted::Script;
 use tests::twin::Twin;
 
 const RESUME: [&str; 6] = [
@@ -92,36 +95,32 @@ fn a_cut_line_resumes_without_torque() {
 
 #[test]
 fn in_real_time_a_lost_drive_leaves_the_plant_without_torque() {
-    let records = Records::new();
-    let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 1.5\nfor_s = 0.4");
-    let out = records.out();
-    let arguments = ["run", &scenario, "--device", "native", "--clock", "real-time", "--out", &out];
     let settings = [
         "run.duration_s=4",
         "controller.parameters.watchdog_us=5000000",
+        "link.on_loss=resume",
         "allow.resumes=1",
         "allow.late=1000000",
         "allow.lost=1000000",
     ];
-    let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    // The run is too short for the expectation of the scenario.
-    let ended = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
-    let (summary, torque_nm) = (records.summary(), records.trace().column("torque_nm"));
-    assert_eq!(
-        (&summary["link"]["resumes"], &summary["end"]),
-        (&1.into(), &"complete".into()),
-        "{}",
-        ended.stdout
-    );
+    let made = Script {
+        scenario: "scenarios/faults.toml",
+        faults: "[[fault]]\nkind = \"link-cut\"\nat_s = 1.5\nfor_s = 0.4\n",
+        settings: &settings,
+        ..Script::default()
+    }
+    .run();
+    let (outcome, torque_nm) = (made.outcome(), made.torque_nm());
+    assert_eq!((outcome.link.resumes, &outcome.end), (1, &End::Complete));
     assert_eq!(torque_nm.len(), 4_000, "every step has its row");
-    // At 1.5 s the load moves, so a connected drive gives torque.
-    assert!(torque_nm[1400..1500].iter().any(|torque_nm| *torque_nm != 0.0), "{}", ended.stdout);
-    // A bench without a core detects the loss later, and holds the torque until then.
-    let noticed = 1500 + torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm != 0.0).count();
-    let away = torque_nm[noticed..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
-    assert!(away >= 390, "{away} steps without torque from {noticed} on\n{}", ended.stdout);
-    let after = &torque_nm[noticed + away..];
-    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the reconnect");
+    // The load moves, so a connected drive gives torque. The bench tries again every 50 ms.
+    let away = 1_500..1_900 + 50;
+    let gives = |step: &usize| torque_nm[*step] != 0.0;
+    assert!(
+        gives(&1_499) && !away.clone().any(|step| step < 1_900 && gives(&step)),
+        "no torque without a drive"
+    );
+    assert!(made.with(StepOutcome::Answered).contains(&away.end) && gives(&away.end), "and some with it");
 }
 
 #[test]
@@ -130,11 +129,13 @@ fn a_drive_that_hangs_past_its_limit_is_resumed() {
     let limits = ["link.answer_timeout_ms=300", "link.silence_limit_ms=600"];
     // The adaptive law restarts, so the load settles later than without the fault.
     let allowances = ["allow.resumes=9", "allow.lost=99", "expect.1.max=6.0"];
-    let (summary, trace) = run_faulty(hang, "native", &[limits.as_slice(), &allowances].concat(), 0);
-    assert!(summary["link"]["resumes"].as_u64().is_some_and(|resumes| resumes >= 1), "{summary}");
-    let zero = without_torque(&trace);
-    // The first steps of a silence hold the torque; the step that ends the silence has none.
-    assert!(zero.first().is_some_and(|step| (2001..=2004).contains(step)), "{zero:?}");
+    for device in ["native", "inproc"] {
+        let (summary, trace) = run_faulty(hang, device, &[limits.as_slice(), &allowances].concat(), 0);
+        assert!(summary["link"]["resumes"].as_u64().is_some_and(|resumes| resumes >= 1), "{summary}");
+        let zero = without_torque(&trace);
+        // The first steps of a silence hold the torque; the step that ends the silence has none.
+        assert!(zero.first().is_some_and(|step| (2001..=2004).contains(step)), "{device}: {zero:?}");
+    }
 }
 
 #[test]

@@ -1,14 +1,15 @@
 //! The modelled wire, `link.modelled_baud`.
 
-use serde_json::Value;
+use lashloop_bench::verdict::Verdict;
 use tests::paper::{PATIENCE, RUNS};
 use tests::program;
 use tests::records::Records;
+use tests::scripted::{Made, Script};
 
-/// Bytes of a sample, a torque and a telemetry frame.
+/// Bytes of a sample, a torque and a telemetry frame of nine signals.
 const SAMPLE: f64 = 19.0;
 const TORQUE: f64 = 16.0;
-const TELEMETRY: f64 = 33.0;
+const TELEMETRY: f64 = 45.0;
 
 /// Wire time of `bytes`.
 fn wire_s(bytes: f64, baud: u32) -> f64 {
@@ -21,15 +22,6 @@ fn run(device: &str, baud: u32, more: &[&str]) -> Records {
     let arguments = ["run", &scenario, "--device", device, "--out", &out, "--set", &baud];
     let _ = program::run(arguments.into_iter().chain(PATIENCE).chain(more.iter().copied()));
     records
-}
-
-fn number(summary: &Value, keys: [&str; 2]) -> f64 {
-    summary[keys[0]][keys[1]].as_f64().unwrap_or_else(|| panic!("{keys:?} in {summary}"))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 #[test]
@@ -46,45 +38,48 @@ fn in_lockstep_a_modelled_wire_costs_time_and_no_torque_bit() {
     }
 }
 
+/// Makes a run in real time at this speed, with a scripted clock.
+fn scripted(baud: u32, settings: &[&str]) -> Made {
+    let baud = format!("link.modelled_baud={baud}");
+    let settings = [&[&*baud, "expect=[]", "controller.parameters.watchdog_us=10000000"], settings].concat();
+    Script { scenario: "scenarios/smooth-after.toml", settings: &settings, ..Script::default() }.run()
+}
+
 #[test]
 fn telemetry_delays_the_torque_behind_it() {
-    // So slow that the delays of a busy machine are small in comparison.
-    let baud = 38_400;
-    let round_trips_us = |every: &str| {
-        let records = run("native", baud, &["--set", "run.duration_s=0.3", "--set", every]);
-        let all = records.timing().column("line_and_device_us");
-        // Telemetry follows the torque of steps 0, 10, 20 and so on.
-        let of = |phase: usize| median(all.iter().skip(phase).step_by(10).copied().collect());
-        (of(1), of(5))
+    // A byte takes 17.4 us.
+    let baud = 576_000;
+    let round_trip_us = |step: usize, settings: &[&str]| {
+        let made = scripted(baud, &[&["run.duration_s=0.3"], settings].concat());
+        let round_trip = made.steps[step].timing.round_trip.expect("an answer");
+        round_trip.line_and_device.as_secs_f64() * 1e6
     };
-    let (behind, others) = round_trips_us("telemetry.every_steps=10");
-    // In lockstep the next sample follows at once, and telemetry passes while the sample is on the wire.
-    let delay_us = 1e6 * wire_s(TELEMETRY - SAMPLE, baud);
-    assert!(behind - others > 0.6 * delay_us, "{behind} us behind telemetry, {others} us else, {delay_us}");
-    assert!(others >= 1e6 * wire_s(SAMPLE + TORQUE, baud), "{others}");
-    let (behind, others) = round_trips_us("telemetry.every_steps=0");
-    assert!((behind - others).abs() < 0.4 * delay_us, "{behind} us and {others} us without telemetry");
+    let alone_us = 1e6 * wire_s(SAMPLE + TORQUE, baud);
+    // Telemetry follows the torque of steps 0, 10, 20 and so on. It is on the wire when the next sample has passed.
+    let behind_us = 1e6 * wire_s(SAMPLE + TORQUE + TELEMETRY + TORQUE, baud) - 1e3;
+    let with_telemetry = ["telemetry.every_steps=10"];
+    for (step, settings, want_us) in [
+        (5, &with_telemetry[..], alone_us),
+        (11, &with_telemetry, behind_us),
+        (11, &["telemetry.every_steps=0"], alone_us),
+    ] {
+        let us = round_trip_us(step, settings);
+        assert!((us - want_us).abs() < 0.1, "step {step}, {settings:?}: {us} us, {want_us} us expected");
+    }
 }
 
 #[test]
 fn in_real_time_too_slow_a_wire_makes_the_run_invalid() {
-    // A long watchdog time, so that the verdict depends on the wire alone.
-    let watchdog = "controller.parameters.watchdog_us=10000000";
-    let more = ["--clock", "real-time", "--set", "run.duration_s=2", "--set", watchdog];
-    let late_fraction = |baud| {
-        let summary = run("native", baud, &more).summary();
-        let steps = number(&summary, ["timing", "steps"]);
+    let late_and_verdict = |baud| {
+        let made = scripted(baud, &["run.duration_s=2"]);
+        let outcome = made.outcome();
         // A saturated wire blocks the bench, so steps are missed as well.
-        let late = ["unanswered", "missed"].map(|kind| number(&summary, ["timing", kind]));
-        let fraction = late.iter().sum::<f64>() / steps;
-        (fraction, summary["verdict"].clone())
+        (outcome.timing.unanswered + outcome.timing.missed, outcome.judgement.verdict)
     };
-    // The 19 bytes of a sample take 1.65 ms.
-    let (slow, verdict) = late_fraction(115_200);
-    assert!(slow > 0.9 && verdict == "INVALID", "{slow} of the steps late, {verdict}");
-    // Sample and torque take 0.38 ms, which leaves 0.62 ms for a busy machine.
-    let (fast, _) = late_fraction(921_600);
-    assert!(fast < 0.75 * slow, "{fast} of the steps late, {slow} at the slow rate");
+    // The 19 bytes of a sample take 1.65 ms. The first one is sent again until its answer comes, which is in time then.
+    assert_eq!(late_and_verdict(115_200), (2_000 - 1, Verdict::Invalid));
+    // Sample and torque take 0.38 ms.
+    assert_eq!(late_and_verdict(921_600), (0, Verdict::Pass));
 }
 
 #[test]

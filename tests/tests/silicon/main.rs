@@ -43,7 +43,7 @@ const TRIALS: [(&str, Check); 16] = [
     ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
     ("experiment::a_person_brings_the_load_to_its_start", experiment::waits_for_the_start),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
-        fault_table::check_watchdog_on("silicon");
+        fault_table::check_watchdog_on("silicon", 0.2);
     }),
 ];
 

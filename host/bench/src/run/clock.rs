@@ -11,6 +11,9 @@ pub enum Clock {
     Lockstep,
     /// The wall clock.
     RealTime(RealTime),
+    /// Real time on the link's own virtual clock, which only a drive in this process has. What is late is late by what the link
+    /// does, in every run the same: for tests of late samples, answers and benches.
+    Scripted,
 }
 
 impl Clock {
@@ -19,7 +22,7 @@ impl Clock {
     pub fn name(&self) -> ClockName {
         match self {
             Self::Lockstep => ClockName::Lockstep,
-            Self::RealTime(_) => ClockName::RealTime,
+            Self::RealTime(_) | Self::Scripted => ClockName::RealTime,
         }
     }
 }

@@ -1,7 +1,6 @@
 //! From a scenario and a device to a verdict.
 
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use lashloop_link::TimeBase;
 
@@ -11,7 +10,7 @@ use super::device_under_test::DeviceUnderTest;
 use super::drive_settings::takes_torque;
 use super::error::RunError;
 use super::outcome::{End, Outcome};
-use super::real_time::{self, RealTime, Ring};
+use super::real_time::{self, Pace, RealTime, Ring};
 use super::run_loop::{RunLoop, StepSource};
 use super::simulator::Simulator;
 use super::step_recorder::StepRecorder;
@@ -55,6 +54,7 @@ fn observed(
     device.session.line.set_time_base(match clock {
         Clock::Lockstep => TimeBase::Virtual,
         Clock::RealTime(_) => TimeBase::WallClock,
+        Clock::Scripted => TimeBase::Scripted,
     });
     let drive = setup::set_up(device, scenario, clock.name())?;
     let signals = SignalTable { plant: plant_signals, drive };
@@ -62,7 +62,7 @@ fn observed(
     scenario.check_expectations(&measured)?;
     let watchdog = match clock {
         Clock::Lockstep => None,
-        Clock::RealTime(_) => Some(setup::watchdog(device)?),
+        Clock::RealTime(_) | Clock::Scripted => Some(setup::watchdog(device)?),
     };
     let torque_limit_nm = setup::torque_limit_nm(device)?;
     observer.begin(&RunStart { scenario, clock, device, signals: &signals })?;
@@ -77,14 +77,13 @@ fn observed(
     };
     let mut recorder = StepRecorder::new(scenario, &measured, clock.name(), observer);
     let (closed, refused) = match clock {
-        Clock::Lockstep => {
+        Clock::Lockstep | Clock::Scripted => {
             let control = RunLoop::new(scenario, source, timeline, settings, &mut recorder);
-            (
-                run_to_end(control, device, scenario.run.mode, |control, device| {
-                    lockstep::close(control, scenario, device)
-                })?,
-                Vec::new(),
-            )
+            let closed = run_to_end(control, device, scenario.run.mode, |control, device| match clock {
+                Clock::Scripted => real_time::close(control, scenario, device, Pace::Link),
+                _ => lockstep::close(control, scenario, device),
+            });
+            (closed?, Vec::new())
         }
         Clock::RealTime(options) => {
             in_real_time(scenario, source, timeline, settings, device, &options, &mut recorder)?
@@ -189,7 +188,7 @@ fn in_real_time(
         let refused = real_time::obtain(options);
         let control = RunLoop::new(scenario, source, timeline, settings, ring);
         let closed = run_to_end(control, device, scenario.run.mode, |control, device| {
-            real_time::close(control, scenario, device, options.spin)
+            real_time::close(control, scenario, device, Pace::WallClock { spin: options.spin })
         });
         (closed, refused)
     };
@@ -217,7 +216,7 @@ fn run_to_end<'a, S: StepSink>(
         device.session.abandon();
         return Err(setup::refused_start(device, source));
     }
-    let started = Instant::now();
+    let started = device.session.line.timestamp();
     let end = match close(&mut control, device) {
         // A result of the run, unless the plant broke down for a reason of its own.
         Err(RunError::Integration(error)) if !matches!(error, PlantError::Failed(_)) => {
@@ -225,7 +224,7 @@ fn run_to_end<'a, S: StepSink>(
         }
         end => end,
     };
-    let wall_s = started.elapsed().as_secs_f64();
+    let wall_s = (device.session.line.timestamp() - started).as_secs_f64();
     let faults = control.timeline().end(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {

@@ -5,13 +5,13 @@
 //! last byte has passed. Bytes of the drive pass one after the other: telemetry delays the torque behind it.
 //!
 //! The model needs no thread. Bytes move while the bench receives or [idles](Link::idle). A byte of the drive starts when
-//! the bench has read it from the link below, some microseconds after the drive has sent it. The model follows the wall
-//! clock, and so does the link below.
+//! the bench has read it from the link below, some microseconds after the drive has sent it. The model follows the clock of
+//! the link below, which is the wall clock unless time is [scripted](TimeBase::Scripted).
 
 mod direction;
 
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub use direction::transmission_time;
 
@@ -58,20 +58,28 @@ impl UartModel {
         if free > 0 && self.broken.is_none() {
             match self.link.receive(&mut buffer[..free], until) {
                 Ok(0) => {}
-                Ok(count) => return self.from_drive.put(&buffer[..count], Instant::now()),
+                Ok(count) => {
+                    let now = self.link.now();
+                    return self.from_drive.put(&buffer[..count], now);
+                }
                 Err(error) => return self.broken = Some(error),
             }
         }
         // The queue is full or the link below has failed: only time helps.
-        if let Some(left) = remaining(until) {
-            thread::sleep(left);
+        self.pass_time(until);
+    }
+
+    fn pass_time(&mut self, until: Instant) {
+        // A link that has failed may not wait.
+        if self.link.wait_until(until).is_err() {
+            thread::sleep(remaining(until).unwrap_or_default());
         }
     }
 
     /// Moves bytes until `until` or until what has passed is worth reading.
     fn work(&mut self, until: Instant, reads: bool) -> Result<(), LinkError> {
         loop {
-            let now = Instant::now();
+            let now = self.link.now();
             self.deliver(now)?;
             let readable = self.from_drive.worth_reading_at().filter(|_| reads);
             let over = reads && self.broken.is_some() && self.from_drive.is_empty();
@@ -89,16 +97,17 @@ impl Link for UartModel {
         Some(self.link.as_mut())
     }
 
-    fn now(&mut self) -> Instant {
-        Instant::now()
-    }
-
     fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
         self.work(until, false)
     }
 
-    /// A modelled UART takes wall-clock time.
-    fn set_time_base(&mut self, _time_base: TimeBase) {}
+    /// A modelled UART takes wall-clock time unless time is scripted.
+    fn set_time_base(&mut self, time_base: TimeBase) {
+        self.link.set_time_base(match time_base {
+            TimeBase::Scripted => time_base,
+            TimeBase::Virtual | TimeBase::WallClock => TimeBase::WallClock,
+        });
+    }
 
     /// Returns when the queue has taken the bytes, not when they have passed. Waits while the queue is full.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
@@ -107,7 +116,8 @@ impl Link for UartModel {
                 let Some(next) = self.to_drive.first_whole_at() else { break };
                 self.work(next, false)?;
             }
-            self.to_drive.put(piece, Instant::now());
+            let now = self.link.now();
+            self.to_drive.put(piece, now);
         }
         Ok(())
     }
@@ -115,7 +125,7 @@ impl Link for UartModel {
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         self.work(deadline, true)?;
         // What the link below has by now starts on its way, even after the deadline.
-        let now = Instant::now();
+        let now = self.link.now();
         if now >= deadline {
             self.listen(now);
         }
@@ -139,10 +149,11 @@ impl Link for UartModel {
 impl Drop for UartModel {
     /// The bytes sent last still have to pass, an emergency stop above all.
     fn drop(&mut self) {
-        let give_up = Instant::now() + WRITE_LIMIT;
+        let give_up = self.link.now() + WRITE_LIMIT;
         while let Some(at) = self.to_drive.first_whole_at().filter(|at| *at <= give_up) {
-            thread::sleep(remaining(at).unwrap_or(Duration::ZERO));
-            if self.deliver(Instant::now()).is_err() {
+            self.pass_time(at);
+            let now = self.link.now();
+            if self.deliver(now).is_err() {
                 return;
             }
         }

@@ -27,7 +27,8 @@ use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
 
-const STEPS: u64 = 4_000;
+/// Least steps of a loop that has run, of 4,000.
+const ENOUGH: u64 = 100;
 
 /// A scenario of every kind of plant.
 const SMOOTH: &str = include_str!("../../../../../scenarios/smooth-after.toml");
@@ -89,14 +90,21 @@ impl StepSink for Counting<'_> {
     }
 }
 
-/// Runs the loop on a terminal and counts allocations. Also returns the answered steps: an idle loop allocates nothing
-/// either.
+/// What a loop on a terminal did.
+struct Counted {
+    allocations: AllocationInfo,
+    /// Steps made, and those of them that the drive answered: an idle loop allocates nothing either.
+    made: u64,
+    answered: u64,
+}
+
+/// Runs the loop on a terminal.
 fn counted(
     text: &str,
     more: &[&str],
     wastes: bool,
     middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
-) -> (AllocationInfo, u64) {
+) -> Counted {
     let settings: Vec<_> =
         SETTINGS.iter().chain(more).map(|setting| Override::Set((*setting).to_owned())).collect();
     let scenario = Scenario::from_str("of the test", text, &settings).expect("a scenario");
@@ -125,18 +133,21 @@ fn counted(
     let simulator = Simulator::new(&scenario).expect("a bench");
     let stop = AtomicBool::new(false);
     let (ring, mut steps) = Ring::new(&stop);
-    let (mut answered, mut info, mut end) = (0, AllocationInfo::default(), None);
+    let (mut made, mut answered) = (0, 0);
+    let (mut allocations, mut end) = (AllocationInfo::default(), None);
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
         let source = StepSource::Simulator(Box::new(simulator));
         let mut control = RunLoop::new(&scenario, source, timeline, settings, sink);
-        let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
-        info = allocation_counter::measure(closing);
+        let pace = Pace::WallClock { spin: Duration::ZERO };
+        let closing = || end = Some(close(&mut control, &scenario, &mut device, pace));
+        allocations = allocation_counter::measure(closing);
     };
     let drain_steps = || {
         while let Ok(item) = steps.pop() {
             let Item::Step(step) = item else { continue };
+            made += 1;
             answered += u64::from(step.timing.outcome == StepOutcome::Answered);
         }
     };
@@ -146,15 +157,20 @@ fn counted(
     drop((device, terminal));
     // The near end is closed, so the drive's read fails.
     twin.join().expect("a drive");
-    (info, answered)
+    Counted { allocations, made, answered }
+}
+
+/// Checks a loop that ran: on a busy machine many steps are missed or not answered in time.
+fn check_free_of_allocations(counted: &Counted) {
+    let Counted { allocations, made, answered } = counted;
+    assert_eq!((allocations.count_total, allocations.bytes_total), (0, 0), "{allocations:?}");
+    assert!(*answered >= ENOUGH, "{answered} of {made} steps answered");
 }
 
 #[test]
 fn the_loop_does_not_allocate() {
     for text in [SMOOTH, FRICTION, SHAFT] {
-        let (info, answered) = counted(text, &[], false, |link| link);
-        assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
-        assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
+        check_free_of_allocations(&counted(text, &[], false, |link| link));
     }
 }
 
@@ -162,16 +178,15 @@ fn the_loop_does_not_allocate() {
 fn a_capture_and_a_modelled_uart_do_not_allocate() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recorder, capture) = create(&folder.path().join("line.pcapng"), WhenFull::Fail).expect("a capture");
-    let (info, answered) = counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| {
+    let counted = counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| {
         Box::new(Captured::new(link, recorder))
     });
-    assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
-    assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
-    assert!(capture.finish().expect("a capture") > answered);
+    check_free_of_allocations(&counted);
+    assert!(capture.finish().expect("a capture") > counted.answered);
 }
 
 #[test]
 fn an_allocation_in_the_loop_is_counted() {
-    let (info, _) = counted(SMOOTH, &[], true, |link| link);
-    assert!(info.count_total >= STEPS - 1, "{info:?}");
+    let Counted { allocations, made, .. } = counted(SMOOTH, &[], true, |link| link);
+    assert!(made >= ENOUGH && allocations.count_total >= made, "{made} steps, {allocations:?}");
 }

@@ -17,5 +17,5 @@ mod privileges;
 
 pub(super) use loop_thread::{Ring, drain, run_with_drain};
 pub use paced_loop::PERIOD_MARGIN;
-pub(super) use paced_loop::close;
+pub(super) use paced_loop::{Pace, close};
 pub use privileges::{RealTime, obtain};

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::pacer::Pacer;
+use super::pacer::{Pacer, PacingClock, WallClock};
 use crate::device::Device;
 use crate::run::error::RunError;
 use crate::run::outcome::End;
@@ -13,6 +13,15 @@ use crate::scenario::Scenario;
 /// Fraction of a period that is kept free for everything but the exchange: one part in this many.
 pub const PERIOD_MARGIN: u32 = 20;
 
+/// What paces the loop.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::run) enum Pace {
+    /// The wall clock, which the loop polls for the last `spin` of a wait.
+    WallClock { spin: Duration },
+    /// The link's clock.
+    Link,
+}
+
 /// Closes the loop for the duration of the scenario.
 ///
 /// # Errors
@@ -21,11 +30,19 @@ pub(in crate::run) fn close<S: StepSink>(
     control: &mut RunLoop<'_, S>,
     scenario: &Scenario,
     device: &mut Device,
-    spin: Duration,
+    pace: Pace,
 ) -> Result<End, RunError> {
     let steps = control.periods();
     let period = Duration::from_micros(scenario.run.control_period_us.into());
-    let pacer = Pacer::start(period, spin);
+    let (mut wall_clock, spin) = match pace {
+        Pace::WallClock { spin } => (Some(WallClock::new()), spin),
+        Pace::Link => (None, Duration::ZERO),
+    };
+    let epoch = match &mut wall_clock {
+        Some(clock) => clock.now(),
+        None => device.session.line.now(),
+    };
+    let pacer = Pacer::start(epoch, period, spin);
     for step in 0..steps {
         if control.stop_asked() {
             return Ok(End::Interrupted);
@@ -36,7 +53,13 @@ pub(in crate::run) fn close<S: StepSink>(
             Err(source) if !source.is_loss() => return Err(device.explain(source).into()),
             _ => {}
         }
-        let woke = pacer.wait_for(due)?;
+        let woke = match &mut wall_clock {
+            Some(clock) => pacer.wait_for(due, clock)?,
+            None => {
+                let woke = pacer.wait_for(due, &mut device.session.line);
+                woke.map_err(|source| device.explain(source))?
+            }
+        };
         let present = pacer.step_at(woke).min(steps);
         if step < present {
             control.miss(step, device)?;

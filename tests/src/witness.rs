@@ -1,0 +1,114 @@
+//! Witnesses of the machine: threads that do nothing but wake every millisecond, one on each core, while a test measures
+//! wall-clock time. Where a test fails and a witness was late too, the failure shows the machine and not the program.
+
+use std::io::{self, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+
+/// Time between two looks at the clock.
+const INTERVAL: Duration = Duration::from_millis(1);
+/// Lateness of a witness from which a test that failed is not judged.
+const LATE: Duration = Duration::from_millis(3);
+
+/// Runs a test of wall-clock time. If it fails next to a late witness, it runs once more; if that gives no verdict either, it
+/// prints a line that begins with `not judged: `, by which `cargo xtask test` counts it.
+///
+/// A test that passes next to a late witness has passed, because lateness can only exceed its bounds.
+///
+/// # Panics
+/// The test panics with every witness in time.
+pub fn judge(test: impl Fn()) {
+    judge_beside(latest, test);
+}
+
+fn judge_beside(witness: impl Fn(&AtomicBool) -> Duration + Sync, test: impl Fn()) {
+    for _ in 0..2 {
+        let is_over = AtomicBool::new(false);
+        let (late, result) = thread::scope(|scope| {
+            let late = scope.spawn(|| witness(&is_over));
+            let result = catch_unwind(AssertUnwindSafe(&test));
+            is_over.store(true, Ordering::Relaxed);
+            (late.join().expect("a witness"), result)
+        });
+        match result {
+            Ok(()) => return,
+            Err(panic) if late < LATE => resume_unwind(panic),
+            // Directly to the standard error: the test harness would keep what `eprintln!` writes.
+            Err(_) => {
+                let _ = writeln!(io::stderr(), "spoiled by the machine: a witness was {late:.1?} late");
+            }
+        }
+    }
+    let _ = writeln!(io::stderr(), "not judged: a witness was late at both attempts");
+}
+
+/// The largest lateness of a witness on any core until the test is over.
+fn latest(is_over: &AtomicBool) -> Duration {
+    let cores = sched_getaffinity(None).ok().into_iter();
+    let cores = cores.flat_map(|allowed| (0..CpuSet::MAX_CPU).filter(move |core| allowed.is_set(*core)));
+    thread::scope(|scope| {
+        let witnesses: Vec<_> = cores.map(|core| scope.spawn(move || latest_on(core, is_over))).collect();
+        let late = witnesses.into_iter().map(|witness| witness.join().expect("a witness"));
+        late.max().unwrap_or_default()
+    })
+}
+
+fn latest_on(core: usize, is_over: &AtomicBool) -> Duration {
+    let mut own = CpuSet::new();
+    own.set(core);
+    // A system that refuses leaves a witness on any core.
+    let _ = sched_setaffinity(None, &own);
+    let mut latest = Duration::ZERO;
+    while !is_over.load(Ordering::Relaxed) {
+        let due = Instant::now() + INTERVAL;
+        thread::sleep(INTERVAL);
+        latest = latest.max(due.elapsed());
+    }
+    latest
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    fn attempts(witness: Duration, fails: impl Fn(u32) -> bool) -> (u32, bool) {
+        let attempts = Cell::new(0);
+        let judged = catch_unwind(AssertUnwindSafe(|| {
+            judge_beside(
+                |_| witness,
+                || {
+                    attempts.set(attempts.get() + 1);
+                    assert!(!fails(attempts.get()), "a bound is exceeded");
+                },
+            );
+        }));
+        (attempts.get(), judged.is_ok())
+    }
+
+    #[test]
+    fn a_failure_counts_only_next_to_witnesses_in_time() {
+        let (in_time, late) = (LATE / 2, 2 * LATE);
+        assert_eq!(attempts(in_time, |_| true), (1, false), "a failure");
+        assert_eq!(attempts(late, |attempt| attempt == 1), (2, true), "the second attempt passes");
+        assert_eq!(attempts(late, |_| true), (2, true), "not judged");
+        assert_eq!(attempts(late, |_| false), (1, true), "passes all the same");
+    }
+
+    #[test]
+    fn a_witness_reports_when_it_wakes_late() {
+        let is_over = AtomicBool::new(false);
+        let late = thread::scope(|scope| {
+            let late = scope.spawn(|| latest(&is_over));
+            thread::sleep(20 * INTERVAL);
+            is_over.store(true, Ordering::Relaxed);
+            late.join().expect("a witness")
+        });
+        assert!(late > Duration::ZERO);
+    }
+}
