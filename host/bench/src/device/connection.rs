@@ -12,6 +12,7 @@ use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::{Build, Evidence, OpenFiles};
 use super::kind::Opened;
+use super::own_time::OwnTime;
 use crate::scenario::sections::LinkSettings;
 use crate::supervisor::{Process, Supervisor};
 use lashloop_session::{SessionError, printable};
@@ -67,6 +68,10 @@ impl Connection {
         }
         let Opened { link, host } = choice.0.open(baud, supervisor)?;
         let files = OpenFiles::open(choice.0.files(supervisor));
+        let link: Box<dyn Link> = match host.process() {
+            Some(process) => Box::new(OwnTime::new(link, process.watch.clone())),
+            None => link,
+        };
         let link = match modelled_baud {
             Some(baud) => Box::new(UartModel::new(link, baud)),
             None => link,

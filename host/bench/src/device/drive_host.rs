@@ -32,6 +32,12 @@ impl DriveHost {
         }
     }
 
+    /// Time in which a process that the bench started computed or waited for a core.
+    #[must_use]
+    pub fn busy(&self) -> Duration {
+        self.process().map_or(Duration::ZERO, |process| process.watch.busy())
+    }
+
     /// Whether [`Self::set_suspended`] has an effect.
     #[must_use]
     pub fn can_suspend(&self) -> bool {

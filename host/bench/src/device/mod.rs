@@ -9,6 +9,7 @@
 //! | [`kinds`] | all of them, each in a file of its own |
 //! | `pin_plant` | [`PinPlant`]: the plant behind the pins of a drive in bench mode |
 //! | `session_number` | numbers of sessions |
+//! | `own_time` | the time of a program that the bench started |
 //! | `slow_time` | the time of a device that is emulated in lockstep |
 //! | `in_process_bench` | the drive in this process with encoders, a power stage and a plant |
 //! | `image` | where the image of the firmware is |
@@ -29,6 +30,7 @@ mod image;
 mod in_process_bench;
 mod kind;
 pub mod kinds;
+mod own_time;
 mod pin_plant;
 mod session_number;
 mod slow_time;

@@ -10,7 +10,7 @@ use lashloop_link::socket::Socket;
 
 use super::drive_host::not_up;
 use super::error::DeviceError;
-use crate::supervisor::Process;
+use crate::supervisor::{Process, Wait};
 
 /// Makes the names of this bench's sockets unique.
 static SOCKETS: AtomicU32 = AtomicU32::new(0);
@@ -37,18 +37,19 @@ impl UartSocket {
     /// Waits for the connection of the emulated board.
     ///
     /// # Errors
-    /// The process ended or did not connect within `limit`.
+    /// The process ended, or did not connect within `limit` though nothing kept it from that.
     pub(super) fn accept(self, process: &Process, limit: Duration) -> Result<Socket, DeviceError> {
         let deadline = Instant::now() + limit;
+        let mut wait = process.watch.wait();
         let failed = |source| DeviceError::Spawn { name: process.name, source };
         loop {
             match self.listener.accept() {
                 Ok((stream, _)) => return Socket::new(stream).map_err(failed),
                 Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(failed(error)),
-                Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
-                    return Err(not_up(process));
-                }
-                Err(_) => thread::sleep(Duration::from_millis(2)),
+                Err(_) if process.ended_within(Duration::ZERO).is_some() => return Err(not_up(process)),
+                Err(_) if Instant::now() < deadline => thread::sleep(Duration::from_millis(2)),
+                Err(_) if wait.is_excused() => thread::sleep(Wait::SLICE),
+                Err(_) => return Err(not_up(process)),
             }
         }
     }

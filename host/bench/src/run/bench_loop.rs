@@ -146,7 +146,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             Err(source) => return self.lose(source, device),
         };
         if let Some(waiting) = &mut self.waiting {
-            waiting.spend(asked.elapsed()).map_err(|source| device.explain(source))?;
+            let spent = waiting.spend(asked.elapsed(), || device.connection.host.busy());
+            spent.map_err(|source| device.explain(source))?;
         }
         while let Some(present) = report {
             if let Some(end) = self.take(present, period, device)? {

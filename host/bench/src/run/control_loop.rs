@@ -197,7 +197,8 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         if let Some(waiting) = &mut self.waiting
             && let Ok(Exchange::Answered(_) | Exchange::Unanswered) = exchanged
         {
-            waiting.spend(asked.elapsed()).map_err(|source| device.explain(source))?;
+            let spent = waiting.spend(asked.elapsed(), || device.connection.host.busy());
+            spent.map_err(|source| device.explain(source))?;
         }
         match exchanged {
             Err(source) if source.is_loss() => self.lose(source, device),

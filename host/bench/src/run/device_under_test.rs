@@ -1,6 +1,6 @@
 //! The device of a run, with the faults on its link.
 
-use lashloop_link::Link;
+use lashloop_link::{Link, TimeBase};
 
 use crate::device::{Device, DeviceChoice, DeviceError};
 use crate::fault::link::LinkFaults;
@@ -31,9 +31,13 @@ impl DeviceUnderTest {
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
         let link_faults = LinkFaults::new(scenario);
-        let inject = |link| match &link_faults {
-            Some(faults) => faults.wrap(link, scenario),
-            None => link,
+        let inject = |mut link: Box<dyn Link>| {
+            // Until the run chooses its clock: the start of a program counts against no limit.
+            link.set_time_base(TimeBase::Virtual);
+            match &link_faults {
+                Some(faults) => faults.wrap(link, scenario),
+                None => link,
+            }
         };
         let choice = choice.for_run(scenario, clock)?;
         let device =

@@ -13,6 +13,8 @@ use tokio::sync::oneshot;
 
 use lashloop_session::printable;
 
+use super::activity::{Wait, Watch};
+
 /// Longest line that is kept, in bytes.
 const LONGEST_LINE: u64 = 512;
 /// Time that standard error may take to end after its process.
@@ -67,6 +69,8 @@ pub struct Process {
     pub name: &'static str,
     /// Its process number, which is also that of its group.
     pub id: u32,
+    /// Shows what it is doing.
+    pub watch: Watch,
     author: Author,
     end: Arc<End>,
     stderr: Arc<Mutex<Vec<String>>>,
@@ -120,7 +124,7 @@ impl Process {
             *ended.status.lock().unwrap_or_else(PoisonError::into_inner) = status.ok();
             ended.changed.notify_all();
         });
-        Ok(Self { name, id, author, end, stderr, stdout, kill: Some(kill) })
+        Ok(Self { name, id, watch: Watch::new(id), author, end, stderr, stdout, kill: Some(kill) })
     }
 
     /// Waits for its end, `limit` at most; `None` if it still runs.
@@ -141,6 +145,17 @@ impl Process {
         self.stdout.recv_timeout(deadline.saturating_duration_since(Instant::now())).ok()
     }
 
+    /// The next line of its standard output within `limit`, or later if the program was kept from printing it.
+    #[must_use]
+    pub fn first_line(&self, limit: Duration) -> Option<String> {
+        let mut line = self.next_line(Instant::now() + limit);
+        let mut wait = self.watch.wait();
+        while line.is_none() && wait.is_excused() {
+            line = self.next_line(Instant::now() + Wait::SLICE);
+        }
+        line
+    }
+
     /// The lines of its standard error that matter most, joined by semicolons and escaped; empty if there are none.
     #[must_use]
     pub fn stderr(&self) -> String {
@@ -151,6 +166,7 @@ impl Process {
 impl Process {
     /// Stops or continues it and its descendants.
     pub fn set_suspended(&self, is_suspended: bool) {
+        self.watch.suspended(is_suspended);
         signal_group(self.id, if is_suspended { Signal::STOP } else { Signal::CONT });
         // The guard has to notice the end of the bench meanwhile.
         if let (Author::User, true, Some(guard)) = (self.author, is_suspended, pid(self.id)) {

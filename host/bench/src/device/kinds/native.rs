@@ -1,7 +1,6 @@
 //! `native`: the native twin, a process of its own on a pseudo-terminal.
 
 use std::path::Path;
-use std::time::Instant;
 
 use super::terminal::open_terminal;
 use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
@@ -40,7 +39,7 @@ impl DeviceKind for NativeTwin {
             core: None,
         };
         let process = spawn(supervisor, &program)?;
-        let Some(path) = process.next_line(Instant::now() + START_LIMIT) else {
+        let Some(path) = process.first_line(START_LIMIT) else {
             return Err(not_up(&process));
         };
         // A pseudo-terminal has no baud rate.
