@@ -6,12 +6,14 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
-use tests::usb_guest::request::{Answer, Line, PORTS, Request, User, WORKSPACE};
+use tests::usb_guest::request::{Answer, Line, Numbered, PORTS, Request, UNASKED, User, WORKSPACE};
 use tests::wait;
 
 use crate::boot::{power_off, settle};
@@ -34,23 +36,30 @@ struct Running {
 /// The channel is missing or fails.
 pub(crate) fn serve() -> Result<()> {
     let opened = wait::look(wait::SOON, || File::options().read(true).write(true).open(port()?).ok());
-    let mut channel = opened.with_context(|| format!("no port in {PORTS}"))?;
+    let channel = opened.with_context(|| format!("no port in {PORTS}"))?;
     let mut requests = BufReader::new(channel.try_clone()?);
     let watched = channel.try_clone()?;
     thread::spawn(move || power_off_without_test(&watched));
     let mut commands = Commands::default();
-    send(&mut channel, &Answer::Up)?;
+    let channel = Arc::new(Mutex::new(channel));
+    send(&channel, UNASKED, Answer::Up)?;
+    let clock = Arc::clone(&channel);
+    thread::spawn(move || {
+        while send(&clock, UNASKED, Answer::Second).is_ok() {
+            thread::sleep(Duration::from_secs(1));
+        }
+    });
     loop {
         let mut line = String::new();
         if requests.read_line(&mut line)? == 0 {
             return Ok(());
         }
-        let request: Request = serde_json::from_str(&line).with_context(|| line.clone())?;
-        if request == Request::PowerOff {
+        let Numbered { number, message } = serde_json::from_str(&line).with_context(|| line.clone())?;
+        if message == Request::PowerOff {
             return Ok(());
         }
-        let answer = commands.serve(request).unwrap_or_else(|error| Answer::Failed(format!("{error:#}")));
-        send(&mut channel, &answer)?;
+        let answer = commands.serve(message).unwrap_or_else(|error| Answer::Failed(format!("{error:#}")));
+        send(&channel, number, answer)?;
     }
 }
 
@@ -68,10 +77,10 @@ fn port() -> Option<PathBuf> {
     Some(Path::new("/dev").join(entry.file_name()))
 }
 
-fn send(channel: &mut File, answer: &Answer) -> Result<()> {
-    let mut line = serde_json::to_vec(answer)?;
+fn send(channel: &Mutex<File>, number: u32, message: Answer) -> Result<()> {
+    let mut line = serde_json::to_vec(&Numbered { number, message })?;
     line.push(b'\n');
-    Ok(channel.write_all(&line)?)
+    Ok(channel.lock().unwrap_or_else(PoisonError::into_inner).write_all(&line)?)
 }
 
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! A running guest.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
+use std::io::BufReader;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -9,12 +9,15 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
+use super::channel::Channel;
 use super::equipment::{EMULATOR, Equipment};
 use super::request::{Answer, Line, PROGRAMS, Request, User};
 use crate::{program, wait, workspace};
 
-/// Time for the boot and for any answer, far longer than on an idle machine.
-const LIMIT: Duration = Duration::from_secs(600);
+/// Time for the boot, ten times that on an idle machine.
+const BOOT_LIMIT: Duration = Duration::from_secs(300);
+/// Time without a sign of the guest after which it stands still. It gives one in each second of its clock.
+const STILL: Duration = Duration::from_secs(60);
 /// Time for a command, in seconds.
 const COMMAND_LIMIT_S: u32 = 120;
 /// The kernel's command line. A panic ends the emulator.
@@ -24,8 +27,9 @@ const KERNEL_ARGUMENTS: &str = "console=ttyS0 quiet panic=-1 mitigations=off nok
 /// A guest. Dropping it switches it off.
 pub struct Guest {
     emulator: Child,
-    requests: UnixStream,
-    answers: BufReader<UnixStream>,
+    channel: Channel<BufReader<UnixStream>, UnixStream>,
+    /// Why it can't be used any longer.
+    failed: Option<String>,
     folder: tempfile::TempDir,
     _equipment: Equipment,
 }
@@ -94,7 +98,7 @@ impl Guest {
             .stdout(Stdio::null())
             .stderr(fs::File::create(folder.path().join("emulator"))?);
         let mut emulator = command.spawn().with_context(|| format!("{EMULATOR} can't be started"))?;
-        let requests = wait::look(LIMIT, || match UnixStream::connect(&channel) {
+        let requests = wait::look(BOOT_LIMIT, || match UnixStream::connect(&channel) {
             Ok(socket) => Some(Ok(socket)),
             Err(error) => emulator.try_wait().ok().flatten().map(|status| Err((error, status))),
         });
@@ -112,14 +116,25 @@ impl Guest {
                 bail!("{problem}\n{text}");
             }
         };
-        requests.set_read_timeout(Some(LIMIT))?;
-        let answers = BufReader::new(requests.try_clone()?);
-        let mut guest = Self { emulator, requests, answers, folder, _equipment: equipment };
-        match guest.answer() {
-            Ok(Answer::Up) => Ok(guest),
-            Ok(other) => bail!("the guest came up with {other:?}\n{}", guest.console()),
-            Err(error) => bail!("the guest did not come up: {error:#}\n{}", guest.console()),
-        }
+        requests.set_read_timeout(Some(BOOT_LIMIT))?;
+        let channel = Channel::new(BufReader::new(requests.try_clone()?), requests.try_clone()?);
+        let mut guest = Self { emulator, channel, failed: None, folder, _equipment: equipment };
+        let up = guest.channel.await_up();
+        up.with_context(|| format!("the guest did not come up\n{}", guest.console()))?;
+        requests.set_read_timeout(Some(STILL))?;
+        Ok(guest)
+    }
+
+    /// Why the guest no longer answers; `None` while it does.
+    #[must_use]
+    pub fn failed(&self) -> Option<&str> {
+        self.failed.as_deref()
+    }
+
+    /// Seconds of the guest's clock since it came up.
+    #[must_use]
+    pub fn seconds(&self) -> u32 {
+        self.channel.seconds
     }
 
     /// Where the far end of the emulator's adapter is.
@@ -269,27 +284,21 @@ impl Guest {
     }
 
     fn request(&mut self, request: &Request) -> Answer {
-        let answer = self.send(request).and_then(|()| self.answer());
-        answer.unwrap_or_else(|error| panic!("{request:?}: {error:#}\n{}", self.console()))
-    }
-
-    fn send(&mut self, request: &Request) -> Result<()> {
-        let mut line = serde_json::to_vec(request)?;
-        line.push(b'\n');
-        Ok(self.requests.write_all(&line)?)
-    }
-
-    fn answer(&mut self) -> Result<Answer> {
-        let mut line = String::new();
-        self.answers.read_line(&mut line).context("the guest does not answer")?;
-        serde_json::from_str(&line).with_context(|| format!("the guest answered {line:?}"))
+        if let Some(reason) = &self.failed {
+            panic!("{request:?} to a guest that no longer answers: {reason}");
+        }
+        self.channel.request(request).unwrap_or_else(|error| {
+            self.failed = Some(format!("{error:#}"));
+            panic!("{request:?}: {error:#}\n{}", self.console())
+        })
     }
 }
 
 impl Drop for Guest {
     fn drop(&mut self) {
-        let _ = self.send(&Request::PowerOff);
-        let ended = wait::look(Duration::from_secs(10), || self.emulator.try_wait().ok().flatten());
+        let is_off = self.failed.is_none() && self.channel.send(&Request::PowerOff).is_ok();
+        let limit = Duration::from_secs(if is_off { 10 } else { 0 });
+        let ended = wait::look(limit, || self.emulator.try_wait().ok().flatten());
         if ended.is_none() {
             let _ = self.emulator.kill();
             let _ = self.emulator.wait();

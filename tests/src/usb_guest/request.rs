@@ -9,6 +9,18 @@ pub const WORKSPACE: &str = "/workspace";
 /// Where the guest has the folder of the programs under test.
 pub const PROGRAMS: &str = "/programs";
 
+/// A message with the number of its request. A test that has given a request up discards the answer to it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Numbered<T> {
+    /// The number of the request, from 1 on; [`UNASKED`] for an answer that no request asked for.
+    pub number: u32,
+    /// The message.
+    pub message: T,
+}
+
+/// Number of an answer that no request asked for.
+pub const UNASKED: u32 = 0;
+
 /// A command in the guest.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Line {
@@ -77,6 +89,8 @@ pub enum Request {
 pub enum Answer {
     /// The guest is up; the agent sends this once, unasked.
     Up,
+    /// A second of the guest's clock has passed; unasked too.
+    Second,
     /// Number of the started command.
     Started(u32),
     /// A command has ended.

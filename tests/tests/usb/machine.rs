@@ -1,58 +1,112 @@
 //! The one guest of all trials, and what they do with it.
 
 use std::ops::{Deref, DerefMut};
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+use std::{mem, thread};
 
 use regex_lite::Regex;
 use serde_json::Value;
+use tests::program;
 use tests::usb_guest::guest::{Ended, Guest};
 use tests::usb_guest::request::User;
-use tests::{program, wait};
 
 /// The run of most trials: a move and a rest, with expectations that only an undisturbed drive meets.
 pub(crate) const SCENARIO: &str = "scenarios/faults.toml";
 /// Where a run in the guest leaves its record.
 const OUT: &str = "/tmp/out";
 
-/// The guest, until it is switched off.
-enum Power {
-    Off,
-    On(Box<Guest>),
-    /// Why it did not come up. No trial boots it again.
-    Failed(String),
+/// Boots in a run of all trials: one, and one each after two trials that fail.
+const BOOTS: u32 = 3;
+/// Time for a trial, in seconds of the guest.
+const TRIAL_LIMIT_S: u32 = 600;
+
+/// The guest and its trials.
+#[derive(Default)]
+struct Power {
+    guest: Option<Guest>,
+    boots: u32,
+    /// Why no trial boots it again.
+    failed: Option<String>,
 }
 
-static POWER: OnceLock<Mutex<Power>> = OnceLock::new();
+static POWER: Mutex<Power> = Mutex::new(Power { guest: None, boots: 0, failed: None });
 
-/// The guest, for one trial at a time.
-pub(crate) struct Machine(MutexGuard<'static, Power>);
+/// The guest during one trial.
+pub(crate) struct Machine {
+    guest: Guest,
+    /// Name of the trial.
+    name: &'static str,
+    /// When the trial began, in seconds of the guest.
+    began_s: u32,
+    is_slow: bool,
+}
 
-/// Waits for the guest to be free, and boots it for the first trial.
+impl Power {
+    /// The guest, booted if it is off.
+    fn take(&mut self) -> Result<Guest, String> {
+        if let Some(guest) = self.guest.take() {
+            return Ok(guest);
+        }
+        if let Some(reason) = &self.failed {
+            return Err(reason.clone());
+        }
+        self.boots += 1;
+        let booted = match self.boots {
+            ..=BOOTS => {
+                Guest::boot(Path::new(env!("CARGO_BIN_EXE_usb-guest"))).map_err(|error| format!("{error:#}"))
+            }
+            _ => Err(format!("the guest was booted {BOOTS} times, and trials failed on each")),
+        };
+        booted.inspect_err(|reason| self.failed = Some(reason.clone()))
+    }
+}
+
+/// Makes a trial, one at a time. After one that fails, the guest is off: the next trial finds nothing of it. A trial in which
+/// the guest stands still is made once more.
 ///
 /// # Panics
-/// It did not come up.
-pub(crate) fn lock() -> Machine {
-    let mut power =
-        POWER.get_or_init(|| Mutex::new(Power::Off)).lock().unwrap_or_else(PoisonError::into_inner);
-    if matches!(*power, Power::Off) {
-        *power = match Guest::boot(Path::new(env!("CARGO_BIN_EXE_usb-guest"))) {
-            Ok(guest) => Power::On(Box::new(guest)),
-            Err(error) => Power::Failed(format!("{error:#}")),
-        };
-    }
-    match &*power {
-        Power::Failed(reason) => panic!("{reason}"),
-        Power::On(_) | Power::Off => Machine(power),
+/// The trial fails, or the guest did not come up.
+pub(crate) fn try_out(name: &'static str, check: fn(&mut Machine)) {
+    let mut power = POWER.lock().unwrap_or_else(PoisonError::into_inner);
+    for is_last in [false, true] {
+        let guest = power.take().unwrap_or_else(|reason| panic!("{reason}"));
+        let began_s = guest.seconds();
+        let mut machine = Machine { guest, name, began_s, is_slow: false };
+        let result = panic::catch_unwind(AssertUnwindSafe(|| check(&mut machine)));
+        let stood_still = machine.guest.failed().is_some();
+        if is_last {
+            println!("second attempt of {name}: {}", if result.is_ok() { "passed" } else { "not passed" });
+        }
+        match result {
+            Ok(()) => return power.guest = Some(machine.guest),
+            Err(_) if stood_still && !is_last => println!("the guest stood still in {name}: it boots again"),
+            Err(reason) => {
+                drop(machine);
+                panic::resume_unwind(reason)
+            }
+        }
     }
 }
 
 /// Ends the guest: a static value is never dropped.
 pub(crate) fn switch_off() {
-    if let Some(power) = POWER.get() {
-        *power.lock().unwrap_or_else(PoisonError::into_inner) = Power::Off;
+    POWER.lock().unwrap_or_else(PoisonError::into_inner).guest = None;
+}
+
+impl Machine {
+    /// Checks that the trial has time left by the guest's clock.
+    fn check_time(&mut self) {
+        let taken_s = self.guest.seconds() - self.began_s;
+        if taken_s > TRIAL_LIMIT_S / 2 && !mem::replace(&mut self.is_slow, true) {
+            println!("test {} has taken {taken_s} s of the guest's clock, half of its limit", self.name);
+        }
+        assert!(
+            taken_s <= TRIAL_LIMIT_S || thread::panicking(),
+            "the trial takes more than {TRIAL_LIMIT_S} s"
+        );
     }
 }
 
@@ -60,19 +114,15 @@ impl Deref for Machine {
     type Target = Guest;
 
     fn deref(&self) -> &Guest {
-        match &*self.0 {
-            Power::On(guest) => guest,
-            Power::Off | Power::Failed(_) => unreachable!("a locked machine is on"),
-        }
+        &self.guest
     }
 }
 
+/// Every request of a trial passes here.
 impl DerefMut for Machine {
     fn deref_mut(&mut self) -> &mut Guest {
-        match &mut *self.0 {
-            Power::On(guest) => guest,
-            Power::Off | Power::Failed(_) => unreachable!("a locked machine is on"),
-        }
+        self.check_time();
+        &mut self.guest
     }
 }
 
@@ -170,15 +220,22 @@ pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) 
     machine.start_lashloop(User::Root, &words)
 }
 
+/// Time for the first rows of a run, in seconds of the guest.
+const ROWS_LIMIT_S: u32 = 60;
+
 /// Waits until a run has written rows.
 pub(crate) fn await_run(machine: &mut Machine) {
     machine.await_file(&format!("{OUT}/trace.csv"));
-    wait::until("rows in trace.csv", || {
+    let began_s = machine.seconds();
+    while machine.seconds() - began_s < ROWS_LIMIT_S {
+        let table = machine.read_if_present(&format!("{OUT}/trace.csv"));
+        if table.is_some_and(|table| table.lines().count() > 1) {
+            return;
+        }
         // Each look is work for the guest.
         thread::sleep(Duration::from_millis(100));
-        let table = machine.read_if_present(&format!("{OUT}/trace.csv"))?;
-        (table.lines().count() > 1).then_some(())
-    });
+    }
+    panic!("no rows in trace.csv within {ROWS_LIMIT_S} s of the guest's clock");
 }
 
 /// Waits for the end of a run.
