@@ -1,12 +1,15 @@
 //! Loss of the drive during a run: its process ends, hangs, or the line is disconnected.
 
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
-use tests::loss::{assert_reported, run_in_progress};
-use tests::processes;
+use tests::loss::{assert_reported, run_in_progress, scenario_in_progress};
+use tests::program::Running;
+use tests::records::Records;
 use tests::relay::{Action, Relay};
 use tests::twin::Twin;
+use tests::{c_drive, processes};
 
 #[test]
 fn a_killed_twin_on_a_terminal_closes_the_line() {
@@ -43,14 +46,39 @@ fn a_hung_twin_on_a_terminal_is_reported_as_silent() {
 }
 
 #[test]
-fn a_hung_own_twin_is_reported_as_silent_and_killed() {
-    let (bench, records) = run_in_progress("native");
-    let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
+fn a_hung_drive_of_the_bench_is_reported_as_silent_and_killed() {
+    // Its output ends some hundred steps after the start, and every process of it sleeps.
+    let hangs = "dd bs=1 count=20000 status=none; sleep 1000";
+    let device = format!("exec:sh -c '{} | {{ {hangs}; }}'", c_drive::path().display());
+    let (bench, records) = scenario_in_progress("examples/drive-in-c/scenario.toml", &device);
+    let [drive] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
-    processes::signal(twin, Signal::STOP);
     let sentence = assert_reported(bench, &records, lost_at);
-    assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
-    assert!(!processes::runs(twin), "the hanging twin was left behind");
+    assert!(sentence.contains("no answer to EncoderSample within 2.5 s"), "{sentence}");
+    assert!(!processes::runs(drive), "the hanging drive was left behind");
+}
+
+#[test]
+fn a_stopped_twin_of_the_bench_is_waited_for() {
+    let torques = |stops: bool| {
+        let records = Records::new();
+        let settings = ["--set", "run.duration_s=24", "--set", "expect=[]", "--set", "record.flush_rows=10"];
+        let arguments = ["run", "scenarios/faults.toml", "--device", "native", "--out", &records.out()];
+        let bench = Running::start(arguments.into_iter().chain(settings));
+        records.wait_for_rows();
+        if stops {
+            let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
+            processes::signal(twin, Signal::STOP);
+            // Longer than any answer and any silence may take.
+            thread::sleep(Duration::from_secs(4));
+            processes::signal(twin, Signal::CONT);
+        }
+        let _ = bench.wait().with_code(0);
+        let summary = records.summary();
+        assert!(!stops || summary["wall_s"].as_f64().is_some_and(|wall_s| wall_s > 4.0), "stopped too late");
+        (summary["torque_sha256"].clone(), summary["link"]["lost"].clone())
+    };
+    assert_eq!(torques(true), torques(false));
 }
 
 #[test]

@@ -28,7 +28,6 @@ mod reconnect;
 mod retries;
 mod shaft_scenarios;
 mod soak;
-mod speed;
 mod suite;
 mod summary;
 mod tokio_client;

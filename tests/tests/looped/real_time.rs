@@ -32,26 +32,6 @@ fn late(made: &Made) -> usize {
 }
 
 #[test]
-fn a_real_time_run_takes_the_time_it_simulates() {
-    let records = Records::new();
-    let arguments = ["run", SMOOTH_AFTER, "--device", "native", "--out", &records.out(), "--clock"];
-    let settings = TOLERANT.iter().chain(&["run.duration_s=2"]).flat_map(|setting| ["--set", setting]);
-    let ended = program::run(arguments.into_iter().chain(["real-time"]).chain(settings));
-    assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
-    let summary = records.summary();
-    assert_eq!((&summary["timing"]["clock"], &summary["end"]), (&"real-time".into(), &"complete".into()));
-    let wall_s = summary["wall_s"].as_f64().expect("a time");
-    // The last step ends with its torque, up to a period before the end of the run.
-    assert!(wall_s > 1.998, "2 s of the plant in {wall_s} s");
-    let (trace, timing) = (records.trace(), records.timing());
-    assert_eq!((trace.len(), timing.len()), (2_000, 2_000));
-    let ones = |column: &str| timing.column(column).iter().filter(|flag| **flag == 1.0).count() as u64;
-    let count = |name: &str| summary["timing"][name].as_u64().expect("a count");
-    assert_eq!(ones("missed"), count("missed"));
-    assert_eq!(ones("answered"), 2_000 - count("missed") - count("unanswered"));
-}
-
-#[test]
 fn a_real_time_run_without_late_steps_equals_lockstep() {
     let script = Script { scenario: SMOOTH_AFTER, ..Script::default() };
     let in_real_time = script.run();

@@ -1,18 +1,15 @@
-//! Real time: a drive with a clock of its own, at the far end of a socket.
+//! Real time: a drive with a clock of its own, on a scripted clock.
 
-use std::io::{ErrorKind, Read, Write};
-use std::os::unix::net::UnixStream;
-use std::thread;
 use std::time::{Duration, Instant};
 
 use lashloop_bench::device::{DeviceError, DeviceKind, DriveHost, Opened};
-use lashloop_bench::run::real_time::RealTime;
 use lashloop_bench::run::{Clock, End};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{self, Drive, PinHardware, PinReadings};
-use lashloop_link::socket::Socket;
+use lashloop_link::in_process::Unread;
+use lashloop_link::{Link, LinkError};
 
 use crate::run::{Recorded, SMOOTH_AFTER, on_with, scenario};
 
@@ -25,7 +22,7 @@ const SETTINGS: [&str; 4] = [
     "controller.parameters.watchdog_us=50000000",
 ];
 
-/// Time of the drive: its ticks. A busy machine makes none of them late.
+/// Time of the drive: its ticks.
 struct Ticks(Duration);
 
 impl drive::Clock for Ticks {
@@ -34,7 +31,7 @@ impl drive::Clock for Ticks {
     }
 }
 
-/// A drive whose tick comes every so often in wall-clock time, though its period is 1 ms.
+/// A drive at rest whose tick comes every so often by the clock of the bench, though its period is 1 ms.
 #[derive(Debug)]
 struct OwnClock(Duration);
 
@@ -44,58 +41,87 @@ impl DeviceKind for OwnClock {
     }
 
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-        let (near, far) = UnixStream::pair().expect("a pair of sockets");
-        let tick = self.0;
-        thread::spawn(move || serve(far, tick));
-        let link = Socket::new(near).expect("a link");
+        let hardware = PinHardware {
+            largest_move_counts: 32_767,
+            largest_counts_per_s: 41_000_000,
+            longest_period_us: 65_536,
+        };
+        let now = Instant::now();
+        let link = Ticking {
+            drive: Drive::with_pins("a test", hardware),
+            clock: Ticks(Duration::ZERO),
+            tick: self.0,
+            next: now + self.0,
+            now,
+            sent: Unread::default(),
+        };
         Ok(Opened { link: Box::new(link), host: DriveHost::External })
     }
 }
 
-/// Serves a drive at rest until the bench disconnects.
-fn serve(mut line: UnixStream, tick: Duration) {
-    let hardware = PinHardware {
-        largest_move_counts: 32_767,
-        largest_counts_per_s: 41_000_000,
-        longest_period_us: 65_536,
-    };
-    let (mut drive, mut clock) = (Drive::<Laws>::with_pins("a test", hardware), Ticks(Duration::ZERO));
-    let mut next = Instant::now();
-    let mut buffer = [0; 256];
-    loop {
-        let wait = next.saturating_duration_since(Instant::now());
-        if wait.is_zero() {
-            clock.0 += drive.period();
-            drive.sample(&PinReadings::default(), clock.0, &clock);
-            next += tick;
-        } else {
-            line.set_read_timeout(Some(wait)).expect("a timeout");
-            match line.read(&mut buffer) {
-                Ok(0) => return,
-                Ok(count) => {
-                    let mut bytes = &buffer[..count];
-                    while !bytes.is_empty() {
-                        bytes = &bytes[drive.receive(bytes, &clock)..];
-                        if line.write_all(drive.output()).is_err() {
-                            return;
-                        }
-                        drive.clear_output();
-                    }
-                }
-                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
-                Err(_) => return,
-            }
+/// The drive and the time of the bench, which passes while the bench waits.
+struct Ticking {
+    drive: Drive<Laws>,
+    clock: Ticks,
+    tick: Duration,
+    next: Instant,
+    now: Instant,
+    sent: Unread,
+}
+
+impl Ticking {
+    /// Lets time pass to the next tick, `until` at most.
+    fn pass(&mut self, until: Instant) {
+        if self.next > until {
+            return self.now = self.now.max(until);
         }
-        if line.write_all(drive.output()).is_err() {
-            return;
+        self.now = self.next;
+        self.next += self.tick;
+        self.clock.0 += self.drive.period();
+        self.drive.sample(&PinReadings::default(), self.clock.0, &self.clock);
+        self.sent.take(&mut self.drive);
+    }
+}
+
+impl Link for Ticking {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
+    fn now(&mut self) -> Instant {
+        self.now
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
+        while self.now < until {
+            self.pass(until);
         }
-        drive.clear_output();
+        Ok(())
+    }
+
+    fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
+        while !bytes.is_empty() {
+            bytes = &bytes[self.drive.receive(bytes, &self.clock)..];
+            self.sent.take(&mut self.drive);
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        while self.sent.is_empty() && self.now < deadline {
+            self.pass(deadline);
+        }
+        Ok(self.sent.read(buffer))
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.sent.clear();
+        Ok(())
     }
 }
 
 fn run_with(tick: Duration) -> Recorded {
-    let clock = Clock::RealTime(RealTime::default());
-    on_with(&scenario(SMOOTH_AFTER, &SETTINGS), &OwnClock(tick).into(), clock).expect("a run")
+    on_with(&scenario(SMOOTH_AFTER, &SETTINGS), &OwnClock(tick).into(), Clock::Scripted).expect("a run")
 }
 
 /// The crystals of bench and drive differ; an internal oscillator is several percent off.
