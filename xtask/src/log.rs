@@ -5,11 +5,12 @@ use std::io::Write;
 use std::mem;
 use std::path::PathBuf;
 use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::Duration;
 
 use anyhow::{Context, Result};
 use regex_lite::Regex;
 
-use crate::{cpu_time, one_test, paths};
+use crate::{cpu_time, paths};
 
 /// Status of cargo, a test that passed, progress of pytest and of a fuzzer.
 static PROGRESS: LazyLock<Regex> = LazyLock::new(|| {
@@ -66,7 +67,7 @@ impl Log {
         if FAILURE.is_match(line) {
             self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_owned());
         }
-        if let Some((seconds, name)) = one_test::duration(line) {
+        if let Some((seconds, name)) = duration(line) {
             let mut durations = self.durations.lock().unwrap_or_else(PoisonError::into_inner);
             durations.push((seconds, name.to_owned()));
         }
@@ -90,6 +91,26 @@ impl Log {
         let failures = self.failures.lock().unwrap_or_else(PoisonError::into_inner);
         failures.iter().take(FAILURES).cloned().collect()
     }
+}
+
+/// The end of a test's line.
+pub(crate) fn taken(time: Duration) -> String {
+    format!("{:.2} s", time.as_secs_f64())
+}
+
+/// Time in seconds and name in the line of a test, also in pytest's list of durations.
+pub(crate) fn duration(line: &str) -> Option<(f64, &str)> {
+    static TEST: LazyLock<Regex> =
+        LazyLock::new(|| Regex::new(r"^test (.+) \.\.\. .*, ([0-9.]+) s$").expect("a constant pattern"));
+    static PYTEST: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"^([0-9.]+)s (?:call|setup|teardown) +(\S.*)$").expect("a constant pattern")
+    });
+    if let Some(found) = TEST.captures(line) {
+        let (_, [name, seconds]) = found.extract();
+        return Some((seconds.parse().ok()?, name));
+    }
+    let (_, [seconds, name]) = PYTEST.captures(line)?.extract();
+    Some((seconds.parse().ok()?, name))
 }
 
 #[cfg(test)]

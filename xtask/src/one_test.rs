@@ -4,17 +4,17 @@ use std::fmt;
 use std::fs::{self, File};
 use std::io::{Read, Seek};
 use std::process::Child;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use regex_lite::Regex;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 
 use crate::command::{cannot_start, command};
 use crate::counts::Counts;
+use crate::log::taken;
 use crate::test_programs::TestProgram;
 
 /// Most failed tests of a ring that get a second attempt: more are no stall.
@@ -167,32 +167,13 @@ fn text_of(output: &mut File) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The end of a test's line.
-pub(crate) fn taken(time: Duration) -> String {
-    format!("{:.2} s", time.as_secs_f64())
-}
-
-/// Time in seconds and name in the line of a test, also in pytest's list of durations.
-pub(crate) fn duration(line: &str) -> Option<(f64, &str)> {
-    static TEST: LazyLock<Regex> =
-        LazyLock::new(|| Regex::new(r"^test (.+) \.\.\. .*, ([0-9.]+) s$").expect("a constant pattern"));
-    static PYTEST: LazyLock<Regex> = LazyLock::new(|| {
-        Regex::new(r"^([0-9.]+)s (?:call|setup|teardown) +(\S.*)$").expect("a constant pattern")
-    });
-    if let Some(found) = TEST.captures(line) {
-        let (_, [name, seconds]) = found.extract();
-        return Some((seconds.parse().ok()?, name));
-    }
-    let (_, [seconds, name]) = PYTEST.captures(line)?.extract();
-    Some((seconds.parse().ok()?, name))
-}
-
 #[cfg(test)]
 mod tests {
     use std::time::{Duration, Instant};
 
-    use super::{Conditions, Test, duration, run_each};
+    use super::{Conditions, Test, run_each};
     use crate::counts::Counts;
+    use crate::log::duration;
     use crate::test_programs::tests::script;
 
     const CONDITIONS: Conditions =

@@ -179,7 +179,7 @@ impl Selection {
 fn tests_of<'a>(programs: impl IntoIterator<Item = &'a TestProgram>) -> Result<Vec<Test<'a>>> {
     let mut tests = Vec::new();
     for program in programs {
-        tests.extend(program.tests()?);
+        tests.extend(program.tests()?.into_iter().map(|name| Test { program, name }));
     }
     Ok(tests)
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::command::{cargo, command, output, run};
 use crate::counts::Counts;
-use crate::one_test::{Test, taken};
+use crate::log::taken;
 use crate::{paths, slurm, usb_guest};
 
 /// The test program of the Linux guest.
@@ -60,14 +60,14 @@ impl TestProgram {
         Some(Self { name, path: path.into(), folder: folder.to_owned() })
     }
 
-    /// The tests of a program with the harness of Rust.
+    /// The names of the tests of a program with the harness of Rust.
     ///
     /// # Errors
     /// The program can't be run.
-    pub(crate) fn tests(&self) -> Result<Vec<Test<'_>>> {
+    pub(crate) fn tests(&self) -> Result<Vec<String>> {
         let list = output(command(&self.path, "--list --format terse").current_dir(&self.folder))?;
         let names = list.lines().filter_map(|line| line.strip_suffix(": test"));
-        Ok(names.map(|name| Test { program: self, name: name.to_owned() }).collect())
+        Ok(names.map(str::to_owned).collect())
     }
 
     /// Runs all tests of a program with a harness of its own, whose tests share what takes long to start. The time of a test
@@ -135,7 +135,7 @@ pub(crate) mod tests {
     fn the_tests_of_a_program_are_listed_and_its_benchmarks_are_not() {
         let (_folder, program) = script("printf 'a::b: test\\nc: benchmark\\nd: test\\n'");
         let tests = program.tests().expect("a list");
-        assert_eq!(tests.iter().map(ToString::to_string).collect::<Vec<_>>(), ["script: a::b", "script: d"]);
+        assert_eq!(tests, ["a::b", "d"]);
     }
 
     #[test]
