@@ -1,7 +1,11 @@
 //! What must hold after the loss of a drive during a run, for every cause.
 
+use std::thread;
 use std::time::{Duration, Instant};
 
+use rustix::process::Signal;
+
+use crate::processes;
 use crate::program::Running;
 use crate::records::Records;
 
@@ -59,4 +63,34 @@ pub fn assert_reported(bench: Running, records: &Records, lost_at: Instant) -> S
     assert!(rows > 0, "no rows");
     assert_eq!(records.summary_text(), None, "a run without a verdict leaves no summary");
     sentence
+}
+
+/// Longer than any answer and any silence may take.
+const STOP: Duration = Duration::from_secs(4);
+
+/// Stops the program that the bench has started, in the middle of a run, and checks that the run is the same as without.
+///
+/// # Panics
+/// The run differs, or the stop came after its end.
+pub fn assert_waited_for(scenario: &str, device: &str, duration_s: u32) {
+    let torques = |stops: bool| {
+        let records = Records::new();
+        let arguments = ["run", scenario, "--device", device, "--out", &records.out()];
+        let duration = format!("run.duration_s={duration_s}");
+        let settings = ["--set", &duration, "--set", "expect=[]", "--set", "record.flush_rows=10"];
+        let bench = Running::start(arguments.into_iter().chain(settings));
+        records.wait_for_rows();
+        if stops {
+            let [program] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
+            processes::signal(program, Signal::STOP);
+            thread::sleep(STOP);
+            processes::signal(program, Signal::CONT);
+        }
+        let _ = bench.wait().with_code(0);
+        let summary = records.summary();
+        let wall_s = summary["wall_s"].as_f64().expect("a time");
+        assert!(!stops || wall_s > STOP.as_secs_f64(), "stopped too late");
+        (summary["torque_sha256"].clone(), summary["link"]["lost"].clone())
+    };
+    assert_eq!(torques(true), torques(false));
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::loss::{assert_reported, run_in_progress};
+use tests::loss::{assert_reported, assert_waited_for, run_in_progress};
 use tests::program::Running;
 use tests::records::Records;
 use tests::{processes, wait};
@@ -29,13 +29,7 @@ pub(crate) fn killed() {
 }
 
 pub(crate) fn stopped() {
-    let (bench, records, emulator) = running();
-    let lost_at = Instant::now();
-    processes::signal(emulator, Signal::STOP);
-    let sentence = assert_reported(bench, &records, lost_at);
-    assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
-    // A killed process ends when the system gets to it.
-    wait::until("the end of the emulator", || (!processes::runs(emulator)).then_some(()));
+    assert_waited_for("scenarios/faults.toml", "qemu", 2);
 }
 
 pub(crate) fn bench_killed() {

@@ -40,7 +40,7 @@ const TRIALS: [(&str, Check); 16] = [
         instructions::of_every_published_law,
     ),
     ("drive_loss::a_killed_emulator_is_reported_with_its_process_and_signal", drive_loss::killed),
-    ("drive_loss::a_hung_emulator_is_reported_as_silent_and_killed", drive_loss::stopped),
+    ("drive_loss::a_stopped_emulator_is_waited_for", drive_loss::stopped),
     ("drive_loss::a_killed_bench_leaves_no_emulator_behind", drive_loss::bench_killed),
     ("drive_loss::an_interrupted_bench_leaves_no_emulator_behind", drive_loss::bench_interrupted),
     ("own_law::the_image_has_the_torques_of_the_twin_and_of_the_process", own_law::equal_torques),

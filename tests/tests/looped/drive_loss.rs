@@ -1,12 +1,9 @@
 //! Loss of the drive during a run: its process ends, hangs, or the line is disconnected.
 
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::loss::{assert_reported, run_in_progress, scenario_in_progress};
-use tests::program::Running;
-use tests::records::Records;
+use tests::loss::{assert_reported, assert_waited_for, run_in_progress, scenario_in_progress};
 use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 use tests::{c_drive, processes};
@@ -60,25 +57,7 @@ fn a_hung_drive_of_the_bench_is_reported_as_silent_and_killed() {
 
 #[test]
 fn a_stopped_twin_of_the_bench_is_waited_for() {
-    let torques = |stops: bool| {
-        let records = Records::new();
-        let settings = ["--set", "run.duration_s=24", "--set", "expect=[]", "--set", "record.flush_rows=10"];
-        let arguments = ["run", "scenarios/faults.toml", "--device", "native", "--out", &records.out()];
-        let bench = Running::start(arguments.into_iter().chain(settings));
-        records.wait_for_rows();
-        if stops {
-            let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
-            processes::signal(twin, Signal::STOP);
-            // Longer than any answer and any silence may take.
-            thread::sleep(Duration::from_secs(4));
-            processes::signal(twin, Signal::CONT);
-        }
-        let _ = bench.wait().with_code(0);
-        let summary = records.summary();
-        assert!(!stops || summary["wall_s"].as_f64().is_some_and(|wall_s| wall_s > 4.0), "stopped too late");
-        (summary["torque_sha256"].clone(), summary["link"]["lost"].clone())
-    };
-    assert_eq!(torques(true), torques(false));
+    assert_waited_for("scenarios/faults.toml", "native", 24);
 }
 
 #[test]

@@ -115,7 +115,7 @@ impl Wait<'_> {
 #[cfg(test)]
 mod tests {
     use std::os::unix::process::CommandExt;
-    use std::process::{Child, Command};
+    use std::process::{Child, Command, Stdio};
     use std::thread;
     use std::time::Instant;
 
@@ -126,8 +126,11 @@ mod tests {
     struct Running(Child);
 
     impl Running {
+        /// Starts a program whose input stays open and empty.
         fn start(script: &str) -> (Self, Watch) {
-            let child = Command::new("sh").args(["-c", script]).process_group(0).spawn().unwrap();
+            let mut command = Command::new("sh");
+            command.args(["-c", script]).process_group(0).stdin(Stdio::piped());
+            let child = command.spawn().unwrap();
             let watch = Watch::new(child.id());
             (Self(child), watch)
         }

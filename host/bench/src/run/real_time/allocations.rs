@@ -1,21 +1,26 @@
 //! The loop's thread does not allocate: counted by an allocator, on every kind of link that buffers something. The counter
 //! counts its own thread only, so drive, recorder and capture may allocate.
+//!
+//! The line is a terminal of the system, the time is scripted: it passes when the drive has nothing more to say.
 
-use std::sync::atomic::AtomicBool;
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use allocation_counter::AllocationInfo;
 use lashloop_firmware::drive::{Clock, Drive};
-use lashloop_link::Link;
 use lashloop_link::terminal::Terminal;
+use lashloop_link::{Link, LinkError, TimeBase};
 
 use super::loop_thread::Item;
+use super::pacer::{Pacer, WallClock};
 use super::*;
 use crate::capture::link::Captured;
 use crate::capture::{WhenFull, create};
 use crate::device::kinds::terminal::TerminalDrive;
-use crate::device::{Device, DeviceChoice};
+use crate::device::{Device, DeviceChoice, DeviceError, DeviceKind, DriveHost, Opened};
 use crate::fault::timeline::Timeline;
 use crate::run::control_loop::LoopSettings;
 use crate::run::run_loop::{RunLoop, StepSource};
@@ -27,15 +32,14 @@ use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
 
-/// Least steps of a loop that has run, of 4,000.
-const ENOUGH: u64 = 100;
+/// Steps that the loop records; the last of 4,000 is recorded after it.
+const STEPS: u64 = 3_999;
 
 /// A scenario of every kind of plant.
 const SMOOTH: &str = include_str!("../../../../../scenarios/smooth-after.toml");
 const FRICTION: &str = include_str!("../../../../../scenarios/friction-after.toml");
 const SHAFT: &str = include_str!("../../../../../scenarios/shaft-merzouki.toml");
 
-/// Half a millisecond, so that the test is short; whether steps are late does not matter here.
 const SETTINGS: [&str; 4] = [
     "run.duration_s=2",
     "run.control_period_us=500",
@@ -51,19 +55,98 @@ impl Clock for SinceBoot {
     }
 }
 
+/// What the drive has done so far.
+#[derive(Debug, Default)]
+struct Progress {
+    /// Bytes whose answers are written.
+    processed: AtomicU64,
+    written: AtomicU64,
+}
+
 /// A drive at the far end of a terminal, until the line breaks.
-fn drive(line: &std::os::fd::OwnedFd) {
+fn drive(line: &OwnedFd, progress: &Progress) {
     let (mut drive, clock) = (Drive::new("a test"), SinceBoot(Instant::now()));
     let mut buffer = [0; 256];
     while let Ok(count) = rustix::io::read(line, &mut buffer) {
         let mut bytes = &buffer[..count];
         while !bytes.is_empty() {
             bytes = &bytes[drive.receive(bytes, &clock)..];
+            progress.written.fetch_add(drive.output().len() as u64, Ordering::SeqCst);
             if rustix::io::write(line, drive.output()).is_err() {
                 return;
             }
             drive.clear_output();
         }
+        progress.processed.fetch_add(count as u64, Ordering::SeqCst);
+    }
+}
+
+/// The drive on a terminal, by a clock that waits for it.
+#[derive(Debug)]
+struct Patient {
+    terminal: TerminalDrive,
+    progress: Arc<Progress>,
+}
+
+impl DeviceKind for Patient {
+    fn name(&self) -> String {
+        self.terminal.name()
+    }
+
+    fn open(&self, baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        let Opened { link, .. } = self.terminal.open(baud, supervisor)?;
+        let (progress, now) = (self.progress.clone(), Instant::now());
+        let link = Box::new(PatientLink { link, progress, now, sent: 0, received: 0 });
+        Ok(Opened { link, host: DriveHost::External })
+    }
+}
+
+/// A link whose time passes when the drive has processed all bytes and all of its answers have arrived.
+struct PatientLink {
+    link: Box<dyn Link>,
+    progress: Arc<Progress>,
+    now: Instant,
+    sent: u64,
+    received: u64,
+}
+
+impl Link for PatientLink {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.sent += bytes.len() as u64;
+        self.link.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        loop {
+            let has_processed = self.progress.processed.load(Ordering::SeqCst) == self.sent;
+            if has_processed && self.progress.written.load(Ordering::SeqCst) == self.received {
+                self.now = self.now.max(deadline);
+                return Ok(0);
+            }
+            let count = self.link.receive(buffer, Instant::now() + Duration::from_millis(1))?;
+            if count > 0 {
+                self.received += count as u64;
+                return Ok(count);
+            }
+        }
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        while self.receive(&mut [0; 256], self.now)? > 0 {}
+        Ok(())
+    }
+
+    fn now(&mut self) -> Instant {
+        self.now
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.now = self.now.max(until);
+        Ok(())
     }
 }
 
@@ -109,11 +192,15 @@ fn counted(
         SETTINGS.iter().chain(more).map(|setting| Override::Set((*setting).to_owned())).collect();
     let scenario = Scenario::from_str("of the test", text, &settings).expect("a scenario");
     let terminal = Terminal::open().expect("a terminal");
-    let choice = DeviceChoice::from(TerminalDrive { path: terminal.path.clone() });
+    let progress = Arc::new(Progress::default());
+    let path = terminal.path.clone();
+    let patient = Patient { terminal: TerminalDrive { path }, progress: progress.clone() };
+    let choice = DeviceChoice::from(patient);
     let line = terminal.far_end.try_clone().expect("a handle");
-    let twin = thread::spawn(move || drive(&line));
+    let twin = thread::spawn(move || drive(&line, &progress));
     let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
+    device.session.line.set_time_base(TimeBase::Scripted);
     let timeline = Timeline::new(&scenario, &device, None).expect("no faults");
     let drive_signals = setup::set_up(&mut device, &scenario, ClockName::RealTime)
         .expect("a drive that takes the scenario")
@@ -140,9 +227,9 @@ fn counted(
         let sink = Counting { ring, wastes };
         let source = StepSource::Simulator(Box::new(simulator));
         let mut control = RunLoop::new(&scenario, source, timeline, settings, sink);
-        let pace = Pace::WallClock { spin: Duration::ZERO };
-        let closing = || end = Some(close(&mut control, &scenario, &mut device, pace));
-        allocations = allocation_counter::measure(closing);
+        allocations = allocation_counter::measure(|| {
+            end = Some(close(&mut control, &scenario, &mut device, Pace::Link));
+        });
     };
     let drain_steps = || {
         while let Ok(item) = steps.pop() {
@@ -160,11 +247,10 @@ fn counted(
     Counted { allocations, made, answered }
 }
 
-/// Checks a loop that ran: on a busy machine many steps are missed or not answered in time.
 fn check_free_of_allocations(counted: &Counted) {
     let Counted { allocations, made, answered } = counted;
     assert_eq!((allocations.count_total, allocations.bytes_total), (0, 0), "{allocations:?}");
-    assert!(*answered >= ENOUGH, "{answered} of {made} steps answered");
+    assert_eq!((*made, *answered), (STEPS, STEPS));
 }
 
 #[test]
@@ -175,6 +261,16 @@ fn the_loop_does_not_allocate() {
 }
 
 #[test]
+fn a_wait_by_the_wall_clock_does_not_allocate() {
+    let allocations = allocation_counter::measure(|| {
+        let mut clock = WallClock::new();
+        let pacer = Pacer::start(Instant::now(), Duration::from_millis(1), Duration::from_micros(200));
+        (0..10).for_each(|step| drop(pacer.wait_for(pacer.due(step), &mut clock).expect("a clock")));
+    });
+    assert_eq!((allocations.count_total, allocations.bytes_total), (0, 0), "{allocations:?}");
+}
+
+#[test]
 fn a_capture_and_a_modelled_uart_do_not_allocate() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recorder, capture) = create(&folder.path().join("line.pcapng"), WhenFull::Fail).expect("a capture");
@@ -182,11 +278,12 @@ fn a_capture_and_a_modelled_uart_do_not_allocate() {
         Box::new(Captured::new(link, recorder))
     });
     check_free_of_allocations(&counted);
-    assert!(capture.finish().expect("a capture") > counted.answered);
+    assert!(capture.finish().expect("a capture") > STEPS);
 }
 
 #[test]
 fn an_allocation_in_the_loop_is_counted() {
     let Counted { allocations, made, .. } = counted(SMOOTH, &[], true, |link| link);
-    assert!(made >= ENOUGH && allocations.count_total >= made, "{made} steps, {allocations:?}");
+    assert_eq!(made, STEPS);
+    assert!(allocations.count_total >= made, "{allocations:?}");
 }
