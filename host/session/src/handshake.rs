@@ -20,12 +20,11 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// The drive stays silent, has another protocol version, or the line broke.
 pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
     let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
-    let began = line.now();
-    let give_up = began + line.patience.within(LIMIT);
-    while line.now() < give_up {
+    let mut left = line.patience.within(LIMIT);
+    while !left.is_zero() {
         line.send(&hello.into())?;
-        let deadline = line.now() + INTERVAL;
-        let identity = line.wait(deadline, |message| match message {
+        let sent = line.now();
+        let identity = line.wait(sent + INTERVAL, |message| match message {
             DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
                 Some(Err(SessionError::Version { drive: identity.protocol_version }))
             }
@@ -33,14 +32,14 @@ pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionErr
             DriveMessage::Identity(identity) if identity.session == session => Some(Ok(*identity)),
             _ => None,
         })?;
+        // A bench that stood still has not waited for the drive.
+        let waited = line.now().saturating_duration_since(sent).min(INTERVAL);
+        line.patience.spend(waited);
+        left = left.saturating_sub(waited);
         if let Some(identity) = identity.transpose()? {
             line.session = session;
-            let waited = line.now().saturating_duration_since(began);
-            line.patience.spend(waited);
             return Ok(identity);
         }
     }
-    let waited = line.now().saturating_duration_since(began);
-    line.patience.spend(waited);
     Err(line.silent("Hello", LIMIT))
 }
