@@ -57,8 +57,10 @@ pub(super) struct Client {
     exchange: Duration,
     /// Time for the description.
     describing: Duration,
-    /// Longest time for an answer in the present check.
+    /// Longest time in the present check for an answer, or by which the bench itself was late.
     pub(super) slowest: Duration,
+    /// When the last wait ended: the bench goes on at once.
+    waited_until: Instant,
     /// Whether answers to earlier requests may still arrive.
     pub(super) is_unsettled: bool,
     /// Times that the drive was settled.
@@ -85,7 +87,7 @@ impl Client {
         let defects = defects.iter().map(ToString::to_string).collect();
         let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
         let (state, note) = (identity.state, String::new());
-        let (slowest, is_unsettled, settled) = (Duration::ZERO, false, 0);
+        let (slowest, waited_until, is_unsettled, settled) = (Duration::ZERO, line.now(), false, 0);
         Ok(Self {
             line,
             session,
@@ -99,6 +101,7 @@ impl Client {
             exchange,
             describing,
             slowest,
+            waited_until,
             is_unsettled,
             settled,
         })
@@ -241,7 +244,15 @@ impl Client {
             self.is_unsettled = true;
             return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
         }
-        Ok(self.line.send_bytes(bytes)?)
+        self.line.send_bytes(bytes)?;
+        self.note_lateness(self.waited_until);
+        Ok(())
+    }
+
+    /// Notes by how much the bench is later than `due`.
+    fn note_lateness(&mut self, due: Instant) {
+        self.waited_until = self.line.now();
+        self.slowest = self.slowest.max(self.waited_until.saturating_duration_since(due));
     }
 
     /// Receives messages until `wanted` accepts one or the limit has passed.
@@ -252,6 +263,7 @@ impl Client {
     ) -> Result<Option<T>, Failure> {
         let deadline = self.line.now() + limit;
         let found = self.line.wait(deadline.min(self.time_up.at), wanted)?;
+        self.note_lateness(deadline);
         if found.is_none() && self.time_up.at < deadline {
             self.is_unsettled = true;
             return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
@@ -341,7 +353,7 @@ impl Client {
 
     /// Sends the sample of [`Self::sample`] and returns its torque.
     pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
-        torque(&self.request_one(sample(sequence))?)
+        torque(&self.request_to(sample(sequence), TorqueAnswer::LAYOUT.name)?)
     }
 }
 

@@ -17,6 +17,9 @@ pub struct Altered {
     decoder: Decoder,
     alter: Alteration,
     delay: Duration,
+    /// How long the bench stands still before every so many writes.
+    pauses: Option<(u32, Duration)>,
+    writes: u32,
     requests: u32,
     waiting: Vec<u8>,
 }
@@ -28,6 +31,8 @@ impl Altered {
             decoder: Decoder::new(),
             alter,
             delay: Duration::ZERO,
+            pauses: None,
+            writes: 0,
             requests: 0,
             waiting: Vec::new(),
         }
@@ -35,7 +40,16 @@ impl Altered {
 
     /// Every answer takes this long.
     pub fn slow(delay: Duration) -> Self {
-        Self { delay, ..Self::new(|message, _| message.frame().to_vec()) }
+        Self { delay, ..Self::unaltered() }
+    }
+
+    /// The bench stands still for `pause` before one write in `writes`.
+    pub fn on_a_busy_bench(writes: u32, pause: Duration) -> Self {
+        Self { pauses: Some((writes, pause)), ..Self::unaltered() }
+    }
+
+    fn unaltered() -> Self {
+        Self::new(|message, _| message.frame().to_vec())
     }
 }
 
@@ -45,6 +59,11 @@ impl Link for Altered {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.writes += 1;
+        if let Some((_, pause)) = self.pauses.filter(|(writes, _)| self.writes.is_multiple_of(*writes)) {
+            let until = self.drive.now() + pause;
+            self.drive.wait_until(until)?;
+        }
         let mut decoder = Decoder::new();
         let mut rest = bytes;
         while let Some(frame) = decoder.next::<HostMessage>(&mut rest) {

@@ -100,6 +100,18 @@ fn a_slow_drive_ends_the_battery_after_thirty_seconds() {
     }
 }
 
+#[test]
+fn a_bench_that_stands_still_now_and_then_fails_no_good_drive() {
+    for writes in [29, 97, 397, 997] {
+        let battery = Battery::of(Altered::on_a_busy_bench(writes, Duration::from_millis(250)));
+        assert!(battery.ended.is_ok(), "{:?}", battery.ended);
+        let failed: Vec<_> = battery.failed().iter().map(|it| (&it.name, &it.status)).collect();
+        assert!(failed.is_empty(), "one write in {writes}: {failed:#?}");
+        let not_judged = battery.not_judged();
+        assert!(writes < 397 || not_judged.len() < battery.results.len() / 10, "{not_judged:#?}");
+    }
+}
+
 /// The specification's words and units, none of Rust's.
 #[test]
 fn a_failure_is_reported_in_the_words_of_the_specification() {

@@ -42,7 +42,7 @@ const INTERVAL: Duration = Duration::from_millis(1);
 const CLOCK_TOLERANCE: f64 = 0.1;
 /// Samples in quick succession before those whose time counts.
 const QUICK: u16 = 10;
-/// Slowest answer with which the times of these checks hold.
+/// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
 const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
 /// Attempts of a check whose result a busy bench may spoil.
 const ATTEMPTS: u32 = 3;
@@ -96,8 +96,8 @@ pub(super) fn checks() -> Vec<Check> {
     checks.into_iter().map(in_time).collect()
 }
 
-/// Tries a check again that fails while an answer comes late: the drive cannot tell when the bench has sent a sample, and the
-/// bench not when the drive has processed it.
+/// Tries a check again that fails while an answer comes late or the bench itself is late: the drive cannot tell when the bench
+/// has sent a sample, and the bench not when the drive has processed it.
 fn in_time(Check { rules, name, run }: Check) -> Check {
     check(rules, name, move |client| {
         for _ in 0..ATTEMPTS {
@@ -111,7 +111,8 @@ fn in_time(Check { rules, name, run }: Check) -> Check {
             client.reset()?;
         }
         let longest_ms = client.slowest.as_millis();
-        let cause = format!("an answer takes up to {longest_ms} ms, too long to time a watchdog");
+        let cause =
+            format!("an answer or the bench is up to {longest_ms} ms late, too long to time a watchdog");
         Err(Failure::NotJudged { cause })
     })
 }
