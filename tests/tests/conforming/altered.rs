@@ -17,7 +17,7 @@ pub struct Altered {
     decoder: Decoder,
     alter: Alteration,
     delay: Duration,
-    /// How long the bench stands still before every so many writes.
+    /// Writes from one standstill of the bench to the next, and how long it lasts.
     pauses: Option<(u32, Duration)>,
     writes: u32,
     requests: u32,
