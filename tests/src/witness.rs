@@ -22,10 +22,20 @@ const LATE: Duration = Duration::from_millis(3);
 /// # Panics
 /// The test panics with every witness in time.
 pub fn judge(test: impl Fn()) {
-    judge_beside(latest, test);
+    if judge_beside(latest, test) == Verdict::NotJudged {
+        // Directly to the standard error: the test harness would keep what `eprintln!` writes.
+        let _ = writeln!(io::stderr(), "not judged: a witness was late at both attempts");
+    }
 }
 
-fn judge_beside(witness: impl Fn(&AtomicBool) -> Duration + Sync, test: impl Fn()) {
+/// The verdict on a test that hasn't failed.
+#[derive(Debug, PartialEq, Eq)]
+enum Verdict {
+    Passed,
+    NotJudged,
+}
+
+fn judge_beside(witness: impl Fn(&AtomicBool) -> Duration + Sync, test: impl Fn()) -> Verdict {
     for _ in 0..2 {
         let is_over = AtomicBool::new(false);
         let (late, result) = thread::scope(|scope| {
@@ -35,15 +45,14 @@ fn judge_beside(witness: impl Fn(&AtomicBool) -> Duration + Sync, test: impl Fn(
             (late.join().expect("a witness"), result)
         });
         match result {
-            Ok(()) => return,
+            Ok(()) => return Verdict::Passed,
             Err(panic) if late < LATE => resume_unwind(panic),
-            // Directly to the standard error: the test harness would keep what `eprintln!` writes.
             Err(_) => {
                 let _ = writeln!(io::stderr(), "spoiled by the machine: a witness was {late:.1?} late");
             }
         }
     }
-    let _ = writeln!(io::stderr(), "not judged: a witness was late at both attempts");
+    Verdict::NotJudged
 }
 
 /// The largest lateness of a witness on any core until the test is over.
@@ -77,27 +86,28 @@ mod tests {
 
     use super::*;
 
-    fn attempts(witness: Duration, fails: impl Fn(u32) -> bool) -> (u32, bool) {
+    /// The verdict, `None` for a failure, and the number of attempts.
+    fn judged(witness: Duration, fails: impl Fn(u32) -> bool) -> (Option<Verdict>, u32) {
         let attempts = Cell::new(0);
-        let judged = catch_unwind(AssertUnwindSafe(|| {
+        let verdict = catch_unwind(AssertUnwindSafe(|| {
             judge_beside(
                 |_| witness,
                 || {
                     attempts.set(attempts.get() + 1);
                     assert!(!fails(attempts.get()), "a bound is exceeded");
                 },
-            );
+            )
         }));
-        (attempts.get(), judged.is_ok())
+        (verdict.ok(), attempts.get())
     }
 
     #[test]
     fn a_failure_counts_only_next_to_witnesses_in_time() {
         let (in_time, late) = (LATE / 2, 2 * LATE);
-        assert_eq!(attempts(in_time, |_| true), (1, false), "a failure");
-        assert_eq!(attempts(late, |attempt| attempt == 1), (2, true), "the second attempt passes");
-        assert_eq!(attempts(late, |_| true), (2, true), "not judged");
-        assert_eq!(attempts(late, |_| false), (1, true), "passes all the same");
+        assert_eq!(judged(in_time, |_| true), (None, 1), "a failure");
+        assert_eq!(judged(late, |attempt| attempt == 1), (Some(Verdict::Passed), 2), "at the second attempt");
+        assert_eq!(judged(late, |_| true), (Some(Verdict::NotJudged), 2));
+        assert_eq!(judged(late, |_| false), (Some(Verdict::Passed), 1), "passes all the same");
     }
 
     #[test]
