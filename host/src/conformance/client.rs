@@ -63,6 +63,8 @@ pub(super) struct Client {
     waited_until: Instant,
     /// Whether answers to earlier requests may still arrive.
     pub(super) is_unsettled: bool,
+    /// Whether the present check has given up on an answer.
+    is_unanswered: bool,
     /// Times that the drive was settled.
     settled: u8,
 }
@@ -87,7 +89,7 @@ impl Client {
         let defects = defects.iter().map(ToString::to_string).collect();
         let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
         let (state, note) = (identity.state, String::new());
-        let (slowest, waited_until, is_unsettled, settled) = (Duration::ZERO, line.now(), false, 0);
+        let (slowest, waited_until, settled) = (Duration::ZERO, line.now(), 0);
         Ok(Self {
             line,
             session,
@@ -102,7 +104,8 @@ impl Client {
             describing,
             slowest,
             waited_until,
-            is_unsettled,
+            is_unsettled: false,
+            is_unanswered: false,
             settled,
         })
     }
@@ -127,20 +130,31 @@ impl Client {
         })
     }
 
-    /// Lets late answers to earlier requests pass: all have arrived when a `Hello` of a new session is answered.
-    pub(super) fn settle(&mut self) -> RuleResult {
+    /// Lets late answers to earlier requests pass: all have arrived when a `Hello` of a new session is answered. Returns whether
+    /// the end of an earlier request's answers was among them.
+    pub(super) fn settle(&mut self) -> Result<bool, Failure> {
         if !self.is_unsettled {
-            return Ok(());
+            return Ok(false);
         }
+        let mut is_late = false;
         self.settled = self.settled.wrapping_add(1);
         let session = self.session ^ SETTLING ^ u32::from(self.settled);
         self.line.send(&hello(session).into())?;
         let answered = self.wait_for(2 * REQUEST_LIMIT, |message| match message {
             DriveMessage::Identity(it) if it.session == session => Some(it.state),
+            DriveMessage::ParameterReport(it) if it.index == NO_PARAMETER => {
+                is_late = true;
+                None
+            }
             _ => None,
         })?;
         self.is_unsettled = answered.is_none();
-        Ok(())
+        Ok(is_late)
+    }
+
+    /// Whether the present check has given up on an answer that comes after all: the drive, its line or its machine stood still.
+    pub(super) fn is_answered_late(&mut self) -> Result<bool, Failure> {
+        Ok(std::mem::take(&mut self.is_unanswered) && self.settle()?)
     }
 
     /// Resets the drive. The answer is left for the next host.
@@ -186,7 +200,7 @@ impl Client {
             }
             answers.push(message);
         }
-        self.is_unsettled = true;
+        (self.is_unsettled, self.is_unanswered) = (true, true);
         let limit_s = REQUEST_LIMIT.as_secs();
         Err(broken(
             format!("within {limit_s} s the answer to the next good request, GetParameter {NO_PARAMETER}"),

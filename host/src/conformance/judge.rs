@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use lashloop_bench::session::SessionError;
 
-use super::assertion::Failure;
+use super::assertion::{Failure, RuleResult};
 use super::check::Check;
 use super::client::{Client, REQUEST_LIMIT, TimeUp};
 use super::result::{CheckResult, CheckStatus};
@@ -16,6 +16,8 @@ const RUN_LIMIT: Duration = Duration::from_secs(30);
 const CHECK_LIMIT: Duration = Duration::from_secs(5);
 /// Consecutive checks without a good frame after which the drive is lost.
 const MOST_SILENT_CHECKS: u32 = 3;
+/// Attempts of a check that a drive or a bench that stands still may spoil.
+pub(super) const ATTEMPTS: u32 = 3;
 
 /// What earlier checks mean for the next one.
 pub(super) struct Judge {
@@ -52,14 +54,14 @@ impl Judge {
         let Check { rules, name, run } = check;
         let started = client.line.now();
         self.messages_before = client.line.decoder.counters().messages;
-        client.time_up = self.time_up(started);
-        client.slowest = Duration::ZERO;
-        self.is_made = started < self.ends_at;
-        let ended = if self.is_made {
-            client.reset().and_then(|()| run(client))
-        } else {
-            Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() })
-        };
+        let mut ended = self.attempt(client, &run);
+        for _ in 1..ATTEMPTS {
+            // A late answer is none that is missing.
+            if !matches!(client.is_answered_late(), Ok(true)) {
+                break;
+            }
+            ended = self.attempt(client, &run);
+        }
         let status = match ended {
             Ok(()) => CheckStatus::Passed,
             Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
@@ -73,6 +75,18 @@ impl Judge {
             matches!(status, CheckStatus::Failed { .. } | CheckStatus::NotJudged { .. }) && self.is_made;
         let took = client.line.now().saturating_duration_since(started);
         Ok(CheckResult { group, rules, name, status, note: std::mem::take(&mut client.note), took })
+    }
+
+    fn attempt(&mut self, client: &mut Client, run: &dyn Fn(&mut Client) -> RuleResult) -> RuleResult {
+        let now = client.line.now();
+        client.time_up = self.time_up(now);
+        client.slowest = Duration::ZERO;
+        self.is_made = now < self.ends_at;
+        if !self.is_made {
+            return Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() });
+        }
+        client.reset()?;
+        run(client)
     }
 
     /// The first check that meets a failed preparation reports it.

@@ -19,6 +19,10 @@ pub struct Altered {
     delay: Duration,
     /// Writes from one standstill of the bench to the next, and how long it lasts.
     pauses: Option<(u32, Duration)>,
+    /// The write at which the line stands still, and how long.
+    standstill: Option<(u32, Duration)>,
+    /// When the line goes on.
+    goes_on: Option<Instant>,
     writes: u32,
     requests: u32,
     waiting: Vec<u8>,
@@ -32,6 +36,8 @@ impl Altered {
             alter,
             delay: Duration::ZERO,
             pauses: None,
+            standstill: None,
+            goes_on: None,
             writes: 0,
             requests: 0,
             waiting: Vec::new(),
@@ -46,6 +52,11 @@ impl Altered {
     /// The bench stands still for `pause` before one write in `writes`.
     pub fn on_a_busy_bench(writes: u32, pause: Duration) -> Self {
         Self { pauses: Some((writes, pause)), ..Self::unaltered() }
+    }
+
+    /// Answers stay on their way for `time` from write number `write` on.
+    pub fn standing_still(write: u32, time: Duration) -> Self {
+        Self { standstill: Some((write, time)), ..Self::unaltered() }
     }
 
     fn unaltered() -> Self {
@@ -64,6 +75,9 @@ impl Link for Altered {
             let until = self.drive.now() + pause;
             self.drive.wait_until(until)?;
         }
+        if let Some((_, time)) = self.standstill.filter(|(write, _)| self.writes == *write) {
+            self.goes_on = Some(self.drive.now() + time);
+        }
         let mut decoder = Decoder::new();
         let mut rest = bytes;
         while let Some(frame) = decoder.next::<HostMessage>(&mut rest) {
@@ -73,6 +87,13 @@ impl Link for Altered {
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        if let Some(goes_on) = self.goes_on {
+            self.drive.wait_until(goes_on.min(deadline))?;
+            if goes_on > deadline {
+                return Ok(0);
+            }
+            self.goes_on = None;
+        }
         while self.waiting.is_empty() {
             let mut bytes = [0; 1024];
             let count = self.drive.receive(&mut bytes, deadline)?;
@@ -94,6 +115,10 @@ impl Link for Altered {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
+        if self.goes_on.is_some_and(|goes_on| goes_on > self.drive.now()) {
+            // Nothing has arrived yet.
+            return Ok(());
+        }
         self.waiting.clear();
         self.drive.discard_input()
     }

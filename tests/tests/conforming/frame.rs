@@ -112,6 +112,16 @@ fn a_bench_that_stands_still_now_and_then_fails_no_good_drive() {
     }
 }
 
+#[test]
+fn an_answer_that_comes_after_all_fails_no_good_drive() {
+    for write in (20..1_300).step_by(64) {
+        let battery = Battery::of(Altered::standing_still(write, Duration::from_millis(1_700)));
+        assert!(battery.ended.is_ok(), "{:?}", battery.ended);
+        let failed: Vec<_> = battery.failed().iter().map(|it| (&it.name, &it.status)).collect();
+        assert!(failed.is_empty(), "from write {write} on: {failed:#?}");
+    }
+}
+
 /// The specification's words and units, none of Rust's.
 #[test]
 fn a_failure_is_reported_in_the_words_of_the_specification() {

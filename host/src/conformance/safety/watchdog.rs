@@ -17,6 +17,7 @@ use super::super::answers::{fault, hello, sample, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::judge::ATTEMPTS;
 use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
 use super::super::words::Words;
 use super::faults::stays_latched;
@@ -44,8 +45,6 @@ const CLOCK_TOLERANCE: f64 = 0.1;
 const QUICK: u16 = 10;
 /// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
 const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
-/// Attempts of a check whose result a busy bench may spoil.
-const ATTEMPTS: u32 = 3;
 /// Last attempt with a late sample, from 0; each doubles the watchdog.
 const LONGEST_ATTEMPT: u32 = 4;
 /// Further lateness of each attempt with a late sample, as a fraction of the watchdog.
