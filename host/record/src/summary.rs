@@ -13,10 +13,10 @@ use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::Evidence;
 use lashloop_bench::fault::log::FaultRecord;
 use lashloop_bench::scenario::RunMode;
-use lashloop_bench::session::Subscription;
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::{Breach, BrokenRule, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
+use lashloop_session::Subscription;
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
