@@ -2,7 +2,7 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | `writer` | whole chunks of messages, compressed by Zstandard; attachments; the summary at the end |
+//! | `writer` | whole chunks of messages, compressed by LZ4; attachments; the summary at the end |
 //! | `reader` | the records of a file and of its chunks, up to the end or to where it was cut off |
 
 mod reader;
@@ -16,7 +16,7 @@ pub(crate) use writer::McapWriter;
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// Compression of the chunks, as the format names it.
-const ZSTANDARD: &str = "zstd";
+const LZ4: &str = "lz4";
 
 /// The sum of a chunk or of an attachment.
 const CRC: crc::Crc<u32, crc::Table<16>> = crc::Crc::<u32, crc::Table<16>>::new(&crc::CRC_32_ISO_HDLC);

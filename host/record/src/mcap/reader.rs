@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::io::{self, Read as _};
 
-use ruzstd::decoding::StreamingDecoder;
+use lz4_flex::frame::FrameDecoder;
 
-use super::{CRC, MAGIC, MessageHeader, ZSTANDARD, kind};
+use super::{CRC, LZ4, MAGIC, MessageHeader, kind};
 
 /// Why a file is no MCAP that this program reads.
 #[derive(Debug, thiserror::Error)]
@@ -140,9 +140,8 @@ fn decompressed(content: &[u8]) -> Result<Vec<u8>, McapError> {
     let mut records = Vec::new();
     match &*compression {
         "" => records.extend(compressed),
-        ZSTANDARD => {
-            let decoder = StreamingDecoder::new(compressed).map_err(io::Error::other)?;
-            decoder.take(size).read_to_end(&mut records)?;
+        LZ4 => {
+            FrameDecoder::new(compressed).take(size).read_to_end(&mut records)?;
         }
         _ => return Err(McapError::Compression(compression)),
     }

@@ -1,13 +1,14 @@
 //! Writes a file chunk by chunk.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
-use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use lz4_flex::frame::{BlockSize, FrameEncoder, FrameInfo};
 
-use super::{CRC, MAGIC, MessageHeader, ZSTANDARD, kind};
+use super::{CRC, LZ4, MAGIC, MessageHeader, kind};
 
-/// A file that grows by whole chunks.
+/// A file that grows by whole chunks. Dropping it ends the file too.
 pub(crate) struct McapWriter {
     file: GrowingFile,
     /// What gets to the file with the next flush, before the chunk.
@@ -16,6 +17,7 @@ pub(crate) struct McapWriter {
     place: u64,
     /// After a failure nothing more is written: an end without what precedes it would be wrong.
     has_failed: bool,
+    has_ended: bool,
     /// Schemas, channels and messages of the chunk.
     chunk: Vec<u8>,
     times: Option<(u64, u64)>,
@@ -46,6 +48,7 @@ impl McapWriter {
             pending,
             place: 0,
             has_failed: false,
+            has_ended: false,
             chunk: Vec::new(),
             times: None,
             declared: Vec::new(),
@@ -134,14 +137,14 @@ impl McapWriter {
     /// It can't be written. Those before are kept.
     pub(crate) fn flush(&mut self) -> Result<(), WriteError> {
         if !self.chunk.is_empty() {
-            let compressed = compress_to_vec(&self.chunk[..], CompressionLevel::Fastest);
+            let compressed = compressed(&self.chunk);
             let (first, last) = self.times.unwrap_or_default();
             record(&mut self.pending, kind::CHUNK, |it| {
                 for number in [first, last, self.chunk.len() as u64] {
                     it.extend(number.to_le_bytes());
                 }
                 it.extend(CRC.checksum(&self.chunk).to_le_bytes());
-                text(it, ZSTANDARD);
+                text(it, LZ4);
                 it.extend((compressed.len() as u64).to_le_bytes());
                 it.extend(&compressed);
             });
@@ -171,6 +174,11 @@ impl McapWriter {
     /// # Errors
     /// They can't be written.
     pub(crate) fn finish(mut self) -> Result<(), WriteError> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<(), WriteError> {
+        self.has_ended = true;
         self.flush()?;
         record(&mut self.pending, kind::DATA_END, |it| it.extend([0; 4]));
         let summary = self.place + self.pending.len() as u64;
@@ -199,6 +207,23 @@ impl McapWriter {
         });
         self.pending.extend(MAGIC);
         self.append()
+    }
+}
+
+fn compressed(chunk: &[u8]) -> Vec<u8> {
+    let mut encoder =
+        FrameEncoder::with_frame_info(FrameInfo::new().block_size(BlockSize::Max256KB), Vec::new());
+    // A vector takes every byte.
+    let written = encoder.write_all(chunk).map_err(Into::into);
+    written.and_then(|()| encoder.finish()).unwrap_or_default()
+}
+
+impl Drop for McapWriter {
+    fn drop(&mut self) {
+        if !self.has_ended {
+            // Whoever drops it has an error of its own, or none to report to.
+            let _ = self.end();
+        }
     }
 }
 
