@@ -6,6 +6,7 @@ use lashloop_bench::names::UnknownName;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 
+use crate::execution::ExecutionError;
 use crate::outcome::NoMetric;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::verdict::Exit;
@@ -33,9 +34,9 @@ pub enum Error {
         /// What is missing, or all forms there are.
         problem: String,
     },
-    /// Drive, link or plant failed, or the scenario does not fit the drive.
+    /// Drive, link or plant failed, or the scenario doesn't fit the drive.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(#[from] ExecutionError),
     /// The outcome has no value for a metric.
     #[error(transparent)]
     Metric(#[from] NoMetric),

@@ -85,6 +85,7 @@ pub mod conformance;
 pub mod decode;
 pub mod doctor;
 mod error;
+pub mod execution;
 pub mod flash;
 pub mod identify;
 pub mod journal;
@@ -100,6 +101,7 @@ pub mod suite;
 
 pub use bench::Bench;
 pub use error::Error;
+pub use execution::Execution;
 #[doc(inline)]
 pub use lashloop_bench::device::DeviceChoice as Device;
 pub use lashloop_bench::names::UnknownName;

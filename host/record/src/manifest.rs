@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_bench::device::{Evidence, FileHash};
@@ -81,7 +81,7 @@ pub struct Manifest {
 }
 
 /// The options of `lashloop run --clock real-time`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RealTimeOptions {
     /// Busy-waiting before each step.
     pub spin_us: u64,
@@ -96,6 +96,12 @@ pub struct RealTimeOptions {
 impl From<RealTime> for RealTimeOptions {
     fn from(RealTime { spin, fifo_priority, lock_memory, core }: RealTime) -> Self {
         Self { spin_us: spin.as_micros() as u64, fifo: fifo_priority, lock_memory, core }
+    }
+}
+
+impl From<RealTimeOptions> for RealTime {
+    fn from(RealTimeOptions { spin_us, fifo, lock_memory, core }: RealTimeOptions) -> Self {
+        Self { spin: Duration::from_micros(spin_us), fifo_priority: fifo, lock_memory, core }
     }
 }
 

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::device::Evidence;
+use lashloop_bench::device::{Device, Evidence};
 use lashloop_bench::fault::log::FaultRecord;
-use lashloop_bench::scenario::RunMode;
+use lashloop_bench::run::Outcome;
+use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::session::Subscription;
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::{Breach, BrokenRule, JudgedExpectation, LinkCounts, Verdict};
@@ -140,6 +141,37 @@ impl Versions {
 }
 
 impl Summary {
+    /// The summary of a run of this scenario on this drive.
+    #[must_use]
+    pub fn new(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Self {
+        let outcome = outcome.clone();
+        Self {
+            reasons: outcome.reasons(),
+            verdict: outcome.judgement.verdict,
+            scenario: scenario.name.clone(),
+            device: device.description(),
+            evidence: device.evidence(),
+            mode: scenario.run.mode,
+            controller: scenario.controller.name.clone(),
+            telemetry: Telemetry::from(device.session.subscription()),
+            seed: scenario.run.seed,
+            end: outcome.end.to_string(),
+            broken_rule: outcome.end.broken_rule(),
+            breaches: outcome.judgement.breaches,
+            gate: outcome.judgement.gate,
+            steps: outcome.steps,
+            simulated_s: outcome.simulated_s,
+            wall_s: outcome.wall_s,
+            metrics: outcome.metrics,
+            expectations: outcome.judgement.expectations,
+            link: outcome.link,
+            timing: outcome.timing,
+            faults: outcome.faults,
+            torque_sha256: outcome.torque_sha256,
+            versions: Versions::of(&device.session.identity),
+        }
+    }
+
     /// Writes the summary to a temporary file in the same directory, then renames it, so that the name stands for a complete
     /// summary.
     ///

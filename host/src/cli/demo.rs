@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use crate::bench::Bench;
 use clap::Args;
-use lashloop_bench::device::Device;
 use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::{Exit, Verdict};
@@ -18,6 +17,7 @@ use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
+use crate::execution::OpenDrive;
 
 /// The paper's result for each scenario, and the metric to compare it with.
 const PAPER: [(&str, Metric, &str); 4] = [
@@ -46,18 +46,18 @@ impl Arguments {
         let scenarios = SCENARIOS.map(|(name, text)| Scenario::from_str(name, text, &[]));
         let scenarios = scenarios.into_iter().collect::<Result<Vec<_>, _>>()?;
         let supervisor = start_supervisor()?;
-        let device = Device::open(&self.drive.device, &scenarios[0].link, &supervisor)?;
-        outln!("{}", device.description());
+        let mut first = scenarios[0].clone();
+        let mut drive =
+            OpenDrive::open(&mut first, (&self.drive.device).into(), Clock::Lockstep, &supervisor)?;
+        outln!("{}", drive.device().description());
         outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
-        let mut device = device.into();
         let mut worst = Verdict::Pass;
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
         for (scenario, (what, metric, paper)) in scenarios.into_iter().zip(PAPER) {
-            let (run, verdict) =
-                run_for_figure(&scenario, 0.0, &mut device, Clock::Lockstep, &supervisor, None)?;
-            let here = here(run.metrics.get(metric), metric);
             dead_zone_rad = scenario.plant.number("dead_zone_rad").unwrap_or(f64::NAN);
+            let (run, verdict) = run_for_figure(&mut drive, scenario, 0.0, &supervisor, None)?;
+            let here = here(run.metrics.get(metric), metric);
             runs.push(run);
             outln!("{what:<38} {paper:>12} {here:>12}  {verdict}");
             worst = worst.max(verdict);

@@ -9,14 +9,14 @@ use crate::budget::line_map::MapError;
 use crate::cluster::error::ClusterError;
 use crate::commission::MotionError;
 use crate::error::exit_of;
+use crate::execution::ExecutionError;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
 use crate::journal::JournalError;
 use crate::live::LiveError;
 use crate::parameter_set::SettingsError;
 use crate::replay::ReplayError;
-use crate::rig::drive_settings::MissingParameter;
-use crate::rig::limits::LimitError;
+use crate::rig::RigError;
 use crate::rig::lock::LockError;
 use crate::suite::baseline::BaselineError;
 use crate::suite::files::FilesError;
@@ -94,14 +94,8 @@ pub(crate) enum CliError {
     Live(#[from] LiveError),
     #[error(transparent)]
     Flash(#[from] FlashError),
-    #[error("{problem}")]
-    HardwareAbsent { problem: String },
     #[error(transparent)]
-    RigLock(#[from] LockError),
-    #[error(transparent)]
-    RigLimit(#[from] LimitError),
-    #[error(transparent)]
-    RigParameter(#[from] MissingParameter),
+    Rig(#[from] RigError),
     #[error("the load at its start is not confirmed: press Enter at a terminal once it is there")]
     Unconfirmed,
     #[error("{option} {problem}")]
@@ -135,11 +129,10 @@ impl CliError {
             Self::Campaign(CampaignError::NotRepeated { .. }) => Exit::Fail,
             Self::Run(error) => exit_of(error),
             Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
-            | Self::RigLock(_)
-            | Self::RigParameter(_)
+            | Self::Rig(RigError::Lock(_) | RigError::Parameter(_))
             | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
-            Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
+            Self::Rig(RigError::Absent { .. }) => Exit::HardwareAbsent,
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
@@ -171,7 +164,7 @@ impl CliError {
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }
             | Self::Instruments { .. }
-            | Self::RigLimit(_)
+            | Self::Rig(RigError::File(_) | RigError::Limit(_))
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
     }
@@ -197,6 +190,21 @@ fn flash_exit(error: &FlashError) -> Exit {
         | FlashError::Different { .. }
         | FlashError::File { .. }
         | FlashError::Silent { .. } => Exit::DeviceOrLink,
+    }
+}
+
+impl From<ExecutionError> for CliError {
+    fn from(error: ExecutionError) -> Self {
+        match error {
+            ExecutionError::Rig(error) => Self::Rig(error),
+            ExecutionError::Run(error) => Self::Run(error),
+        }
+    }
+}
+
+impl From<LockError> for CliError {
+    fn from(error: LockError) -> Self {
+        Self::Rig(error.into())
     }
 }
 
