@@ -12,7 +12,7 @@
 //! | [`power_stage`] | from a torque to a duty; what switches the bridge |
 //! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
-//! | [`usb`] | the drive's own USB port, on any bus |
+//! | `usb` (feature of that name) | the drive's own USB port, on any bus |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
 //! `no_std`, no allocation, no unsafe code. Floating-point functions come from `libm` only, so that every machine
@@ -35,6 +35,7 @@ pub mod law;
 mod laws;
 pub mod power_stage;
 pub mod quadrature;
+#[cfg(feature = "usb")]
 pub mod usb;
 
 pub use laws::Laws;

@@ -8,15 +8,15 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_bench::link::in_process::InProcess;
-use lashloop_bench::link::{Link, LinkError};
-use lashloop_bench::session::{Session, SessionError};
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError};
+use lashloop_session::{Session, SessionError};
 use lashloop_firmware::Laws;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::{DriveMessage, EncoderCounts, MAX_FRAME, Message, cobs, crc, frame};
 use libfuzzer_sys::fuzz_target;
 
-/// [`PATIENCE`](lashloop_bench::session::PATIENCE) up to the start, and as much again for the stop and for what a limit oversteps.
+/// [`PATIENCE`](lashloop_session::PATIENCE) up to the start, and as much again for the stop and for what a limit oversteps.
 const LONGEST_SESSION: Duration = Duration::from_secs(40);
 /// More reads than any session needs in that time.
 const MOST_READS: u32 = 100_000;

@@ -5,17 +5,17 @@ use std::path::Path;
 
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::device::{BuiltIn, DeviceChoice, Syntax, kinds};
-use lashloop_bench::link::Link;
 use lashloop_bench::scenario::plant::standard;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_firmware::law::LawSet;
+use lashloop_link::Link;
 use lashloop_plant::{PlantModel, Plants};
 
 use crate::error::Error;
 
 /// A bench with its laws and plants. A new one has those of Lashloop.
 ///
-/// It reads scenarios and names of devices for [`run`](crate::run), and [`main`](Self::main) is the whole command line.
+/// It reads scenarios and names of devices for [`run`](crate::run). `lashloop_cli::main` makes it a command line.
 #[derive(Clone)]
 pub struct Bench {
     plants: Plants,
@@ -74,21 +74,28 @@ impl Bench {
     }
 
     /// The models that scenarios can choose.
-    pub(crate) fn plants(&self) -> Plants {
+    #[must_use]
+    pub fn plants(&self) -> Plants {
         self.plants.clone()
     }
 
-    pub(crate) fn devices(&self) -> [Syntax; kinds::COUNT] {
+    /// The kinds of devices, as their names are written.
+    #[must_use]
+    pub fn devices(&self) -> [Syntax; kinds::COUNT] {
         self.drive.devices
     }
 
     /// A line to a new drive with the laws of this bench, in this process.
-    pub(crate) fn in_process(&self) -> Box<dyn Link> {
+    #[must_use]
+    pub fn in_process(&self) -> Box<dyn Link> {
         (self.drive.in_process)()
     }
 
     /// Runs a drive with the laws of this bench until the line breaks.
-    pub(crate) fn serve(&self, twin: &Twin) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// The line can't be read or written for another reason than its end.
+    pub fn serve(&self, twin: &Twin) -> io::Result<()> {
         (self.drive.serve)(twin)
     }
 }

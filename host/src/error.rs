@@ -2,23 +2,11 @@
 
 use std::io;
 
-use lashloop_bench::names::UnknownName;
-use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
+use lashloop_session::names::UnknownName;
 
 use crate::execution::ExecutionError;
 use crate::outcome::NoMetric;
-use lashloop_bench::device::DeviceError;
-use lashloop_bench::verdict::Exit;
-
-/// The exit code of a run that fails so.
-pub(crate) fn exit_of(error: &RunError) -> Exit {
-    match error {
-        RunError::Device(DeviceError::NoScale { .. }) => Exit::UsageOrScenario,
-        RunError::Device(_) => Exit::DeviceOrLink,
-        _ => Exit::UsageOrScenario,
-    }
-}
 
 /// Why a call of the library has no result.
 #[derive(Debug, thiserror::Error)]

@@ -31,11 +31,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The same two values make a command line with every command of `lashloop`, as the whole `main` of a program:
+//! With `lashloop-cli` the same two values make a command line with every command of `lashloop`, as the whole `main` of a
+//! program:
 //!
 //! ```no_run
 //! fn main() -> std::process::ExitCode {
-//!     lashloop::Bench::new().with_laws::<own_law::OwnLaws>().with_plant(own_plant::model()).main()
+//!     lashloop_cli::main(&lashloop::Bench::new().with_laws::<own_law::OwnLaws>().with_plant(own_plant::model()))
 //! }
 //! ```
 //!
@@ -55,60 +56,30 @@
 //! Everything else is for the program `lashloop` and changes without notice: the modules below, the fields of a
 //! [`Scenario`], and the rest of `lashloop-bench`.
 //!
-//! # The lab
-//!
 //! | module | is |
 //! |---|---|
-//! | [`budget`] | the time budget of a control period on a serial line |
-//! | [`campaign`] | control laws on plants outside their tuning: cases, limits, tables |
-//! | [`conformance`] | checks of a drive against the protocol, rule by rule |
-//! | [`decode`] | the frames of a capture or of a raw stream as text |
-//! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
-//! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
-//! | [`live`] | a run in a browser while it goes on |
-//! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
-//! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
+//! | [`rig`] | benches with hardware: rig file, limits, lock |
 //! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |
-//! | [`suite`] | `lashloop test`: folders of scenarios and sweeps, baselines, reports |
-//! | [`journal`], [`workers`] | results of many runs line by line; runs in parallel |
-//! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
 
 mod bench;
-pub mod budget;
-pub mod campaign;
-mod cli;
-pub mod cluster;
-pub mod commission;
-pub mod conformance;
-pub mod decode;
-pub mod doctor;
 mod error;
 pub mod execution;
-pub mod flash;
-pub mod identify;
-pub mod journal;
-pub mod live;
 mod outcome;
-pub mod parameter_set;
-pub mod ports;
 pub mod replay;
 pub mod rig;
 mod run;
-pub mod soak;
-pub mod suite;
 
 pub use bench::Bench;
 pub use error::Error;
 pub use execution::Execution;
 #[doc(inline)]
 pub use lashloop_bench::device::DeviceChoice as Device;
-pub use lashloop_bench::names::UnknownName;
 pub use lashloop_bench::scenario::Scenario;
 pub use lashloop_bench::verdict::Verdict;
-pub use lashloop_campaign::workers;
 pub use lashloop_plant::Signal;
+pub use lashloop_session::names::UnknownName;
 pub use outcome::{NoMetric, Outcome};
 pub use run::run;
 

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use lashloop_bench::names::UnknownName;
 use lashloop_bench::run;
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::Signal;
 use lashloop_record::columns::Columns;
+use lashloop_session::names::UnknownName;
 
 /// A run with its verdict, metrics and signals. Its text is the report of what was missed.
 #[derive(Debug, Clone)]
@@ -95,31 +95,5 @@ impl fmt::Display for Outcome {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}", self.verdict())?;
         self.run.reasons().iter().try_for_each(|reason| write!(out, "\n{reason}"))
-    }
-}
-
-#[cfg(test)]
-pub(crate) mod tests {
-    use lashloop_bench::run::{self, End};
-    use lashloop_bench::timing::{ClockName, Timings};
-    use lashloop_bench::verdict::{Judgement, LinkCounts, Verdict};
-    use lashloop_plant::metrics::{Measurement, SignalTable};
-
-    /// A complete run of one step, without expectation, fault or signal.
-    pub(crate) fn one_step(verdict: Verdict) -> run::Outcome {
-        run::Outcome {
-            judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new(), gate: None },
-            end: End::Complete,
-            metrics: Measurement::new(1e-3, &SignalTable::default()).metrics(),
-            link: LinkCounts::default(),
-            timing: Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new()),
-            faults: Vec::new(),
-            steps: 1,
-            simulated_s: 1e-3,
-            wall_s: 1e-3,
-            torque_sha256: String::new(),
-            logs: Vec::new(),
-            signals: SignalTable::default(),
-        }
     }
 }

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop_bench::capture::reader;
+use lashloop_decode::capture::reader;
 use lashloop_protocol::enums::State;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::message::EncoderSample;

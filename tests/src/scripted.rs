@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
-use lashloop_bench::link::{Link, LinkError};
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, Outcome, RunError, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::{ClockName, StepOutcome};
 use lashloop_firmware::Laws;
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::wire::Payload;
 

@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::path::Path;
 
-pub use lashloop_bench::link::terminal::Terminal;
-use lashloop_bench::link::terminal::{self, set_raw};
+pub use lashloop_link::terminal::Terminal;
+use lashloop_link::terminal::{self, set_raw};
 
 /// Opens a pseudo-terminal. Dropping it disconnects the line.
 ///

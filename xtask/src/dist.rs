@@ -18,9 +18,12 @@ use crate::command::{cargo, command, first_line, output, run};
 use crate::{licences, paths};
 
 const NAME: &str = "lashloop";
+/// Its package, and the libraries that its `main` calls.
+const PACKAGE: &str = "lashloop-cli";
+const LIBRARIES: [&str; 2] = ["lashloop_cli", "lashloop"];
 
 /// Options of the build: every feature.
-const FEATURES: &str = "--features lashloop/parquet";
+const FEATURES: &str = "--features lashloop-cli/parquet";
 
 #[derive(Args)]
 pub(crate) struct Dist {
@@ -95,7 +98,7 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
     }
     fs::write(
         folder.join("THIRD-PARTY.txt"),
-        licences::collect(NAME, &triple, FEATURES, library == Library::Glibc)?,
+        licences::collect(PACKAGE, &triple, FEATURES, library == Library::Glibc)?,
     )?;
     complete(&program, &folder)?;
     let archive = pack(&target, &name)?;
@@ -123,26 +126,30 @@ fn link_statically(profile: Profile, program: &Path) -> Result<()> {
     let messages = output(cargo(&arguments).stderr(Stdio::inherit()))?;
     let messages = messages.lines().map(serde_json::from_str).collect::<Result<Vec<Value>, _>>();
     let messages = messages.context("the messages of cargo aren't JSON")?;
-    let of_target = |message: &&Value, kind: &str| {
-        message["target"]["name"] == NAME && message["target"]["kind"][0] == kind
+    let target = |name: &str, kind: &str| {
+        messages.iter().find(|it| it["target"]["name"] == name && it["target"]["kind"][0] == kind)
     };
-    let library = messages.iter().find(|message| of_target(message, "lib"));
-    let files = library.and_then(|message| message["filenames"].as_array()).into_iter().flatten();
-    let mut libraries = files.filter_map(Value::as_str).filter(|file| file.ends_with(".rlib"));
-    let library = libraries.next().context("cargo lists no library of the program")?;
-    let main = messages.iter().find(|message| of_target(message, "bin"));
+    let library = |name: &str| {
+        let files = target(name, "lib").and_then(|message| message["filenames"].as_array());
+        let mut files = files.into_iter().flatten().filter_map(Value::as_str);
+        let library =
+            files.find(|file| file.ends_with(".rlib")).context("cargo lists no library of the program")?;
+        anyhow::Ok(format!("{name}={library}"))
+    };
+    let main = target(NAME, "bin");
     let target = main.map(|message| &message["target"]).context("cargo lists no program")?;
     let (source, edition) = (target["src_path"].as_str(), target["edition"].as_str());
     let dependencies = paths::root().join("target").join(profile.folder()).join("deps");
     let mut link = command("rustc", "--crate-type bin -C target-feature=+crt-static -C strip=symbols");
     link.args(["--crate-name", NAME, "--edition", edition.context("cargo names no edition")?])
         .arg(source.context("cargo names no source")?)
-        .arg("--extern")
-        .arg(format!("{NAME}={library}"))
         .arg("-L")
         .arg(format!("dependency={}", dependencies.display()))
         .arg("-o")
         .arg(program);
+    for name in LIBRARIES {
+        link.arg("--extern").arg(library(name)?);
+    }
     run(&mut link)
         .context("the static C library is missing? libc6-dev has it on Debian, glibc-static elsewhere")
 }

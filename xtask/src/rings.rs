@@ -61,7 +61,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         // A part of `cargo xtask check`.
         "tests tree" => None,
         "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
-        | "host tools" => Some(Ring::Loop),
+        | "host/cli tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
         test_programs::USB => Some(Ring::Usb),
         test_programs::CLUSTER => Some(Ring::Cluster),

@@ -198,7 +198,7 @@ def program() -> Path:
     """The `lashloop` program of the Rust workspace; never omitted."""
     binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop")).resolve()
     assert binary.is_file(), (
-        f"{binary} is missing: build it with `cargo build -p lashloop`, or name one in LASHLOOP_BIN"
+        f"{binary} is missing: build it with `cargo build -p lashloop-cli`, or name one in LASHLOOP_BIN"
     )
     return binary
 

@@ -1,5 +1,5 @@
 //! The command line of `lashloop`, with the laws of this crate in `inproc` and `native`.
 
 fn main() -> std::process::ExitCode {
-    lashloop::Bench::new().with_laws::<own_law::OwnLaws>().main()
+    lashloop_cli::main(&lashloop::Bench::new().with_laws::<own_law::OwnLaws>())
 }

@@ -1,5 +1,5 @@
 //! The command line of `lashloop`, with the plant of this crate.
 
 fn main() -> std::process::ExitCode {
-    lashloop::Bench::new().with_plant(own_plant::model()).main()
+    lashloop_cli::main(&lashloop::Bench::new().with_plant(own_plant::model()))
 }

@@ -1,8 +1,5 @@
 //! The bench loop: simulates a drive with gear backlash around the real firmware of its controller.
 //!
-//! [`link`] is `lashloop-link`: anything that carries bytes, and the link's time. [`session`] is `lashloop-session`:
-//! handshake, commands and exchanges with a drive; [`names`] is its module. They depend on no module of the bench.
-//!
 //! The modules in the order of their dependencies: each uses only those above it.
 //!
 //! | module | is |
@@ -14,7 +11,6 @@
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
 //! | [`scenario`] | what is run and what is expected, as data |
-//! | [`capture`] | the bytes of a line, recorded and read |
 //! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
 //! | [`fault`] | faults injected on purpose |
 //! | [`verdict`] | PASS, FAIL or INVALID |
@@ -24,7 +20,6 @@
 #![warn(missing_docs)]
 
 pub mod atomic_file;
-pub mod capture;
 pub mod device;
 pub mod fault;
 pub mod number;
@@ -35,7 +30,3 @@ pub mod scenario;
 pub mod supervisor;
 pub mod timing;
 pub mod verdict;
-
-pub use lashloop_link as link;
-pub use lashloop_session as session;
-pub use lashloop_session::names;

@@ -25,11 +25,24 @@
 //! | [`failures`], [`view`] | failures over the axes; what a page shows, of a size that does not depend on the runs |
 //! | [`evidence`] | records of the worst runs and of failures |
 
+//!
+//! Many runs in other forms, and what a line leaves of a period:
+//!
+//! | module | is |
+//! |---|---|
+//! | [`suite`] | `lashloop test`: folders of scenarios and sweeps, baselines, reports |
+//! | [`journal`] | results of many runs line by line |
+//! | [`soak`] | a scenario repeated under rising faults |
+//! | [`cluster`] | shards of a campaign as jobs of a cluster |
+//! | [`budget`] | the time budget of a control period on a serial line |
+
 #![forbid(unsafe_code)]
 
 pub mod axis;
+pub mod budget;
 pub mod campaign;
 pub mod cell;
+pub mod cluster;
 pub mod draw;
 pub mod engine;
 mod error;
@@ -40,6 +53,7 @@ pub mod failures;
 pub mod file;
 mod grid_axis;
 pub mod interval;
+pub mod journal;
 pub mod limit;
 pub mod map;
 pub mod merge;
@@ -53,8 +67,10 @@ pub mod run;
 pub mod settings;
 pub mod shard;
 pub mod shard_file;
+pub mod soak;
 pub mod sobol;
 mod soundness;
+pub mod suite;
 pub mod table;
 pub mod view;
 pub mod workers;

@@ -18,7 +18,8 @@ impl Columns {
     }
 
     /// Columns with their values, which are of one length.
-    pub(crate) fn from_parts(parts: impl IntoIterator<Item = (Signal, Vec<f64>)>) -> Self {
+    #[must_use]
+    pub fn from_parts(parts: impl IntoIterator<Item = (Signal, Vec<f64>)>) -> Self {
         let (signals, values) = parts.into_iter().unzip();
         Self { signals, values }
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{WriteError, write_whole_at};
-use lashloop_bench::names::UnknownName;
+use lashloop_session::names::UnknownName;
 
 use crate::columns::Columns;
 use crate::digits::Digits;

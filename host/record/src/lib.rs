@@ -26,6 +26,7 @@ pub mod file_names;
 pub mod folder;
 pub mod host_facts;
 pub mod manifest;
+mod mcap;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod read_error;

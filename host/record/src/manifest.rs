@@ -12,10 +12,10 @@ use lashloop_bench::run::digest::sha256;
 use lashloop_bench::run::real_time::RealTime;
 use lashloop_bench::run::{Clock, RunStart};
 use lashloop_bench::scenario::{RunMode, Scenario};
-use lashloop_bench::session::Parameter;
 use lashloop_bench::timing::ClockName;
 use lashloop_plant::Signal;
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_session::Parameter;
 use serde::{Deserialize, Serialize};
 
 use crate::file_names::MANIFEST_FILE;

@@ -14,10 +14,10 @@ use lashloop_bench::device::{Device, Evidence};
 use lashloop_bench::fault::log::FaultRecord;
 use lashloop_bench::run::Outcome;
 use lashloop_bench::scenario::{RunMode, Scenario};
-use lashloop_bench::session::Subscription;
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::{Breach, BrokenRule, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
+use lashloop_session::Subscription;
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,8 +1,8 @@
 //! Panels that the user chooses: signals by name or pattern, of records and captures, over one axis.
 
-use lashloop_bench::names::UnknownName;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{TELEMETRY_TIME, TIME};
+use lashloop_session::names::UnknownName;
 
 use crate::draw_error::DrawError;
 use crate::plot::{Axis, Panel, Role, Series};

@@ -1,7 +1,7 @@
 //! Why a figure of records can't be drawn.
 
-use lashloop_bench::names::UnknownName;
 use lashloop_record::reader::ReadError;
+use lashloop_session::names::UnknownName;
 
 /// Why records can't be plotted.
 #[derive(Debug, thiserror::Error)]

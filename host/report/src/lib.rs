@@ -13,23 +13,19 @@
 //! | drawing | `axes`, `legend`, `panel` | the area of a plot; one panel and its parts |
 //! | document | `svg`, `render` | escaped XML; the grid with title and caption |
 //!
-//! [`png`] draws the document as a picture.
-//!
 //! The file carries its own background, uses generic fonts only and has no ids, scripts or style sheets. An image viewer
 //! shows it, and so does a README or an HTML report next to other figures.
 
 #![forbid(unsafe_code)]
 
 mod chosen;
-pub mod demo;
 mod draw_error;
 pub mod page;
-pub mod paper;
 pub mod plot;
-pub mod png;
 pub mod runs;
 mod steps;
-mod xml;
+pub mod suite_reports;
+pub mod xml;
 
 #[cfg(test)]
 mod tests;

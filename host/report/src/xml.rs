@@ -3,7 +3,7 @@
 use std::fmt::{Display, Write};
 
 /// Text as XML character data. A character that XML 1.0 does not allow becomes U+FFFD.
-pub(crate) struct Escaped<'a>(pub(crate) &'a str);
+pub struct Escaped<'a>(pub &'a str);
 
 impl Display for Escaped<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {

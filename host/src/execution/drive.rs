@@ -90,15 +90,16 @@ impl<'a> OpenDrive<'a> {
     pub fn run(
         &mut self,
         scenario: &mut Scenario,
-        mut observers: Vec<&mut dyn StepObserver>,
+        observers: Vec<&mut dyn StepObserver>,
     ) -> Result<Outcome, ExecutionError> {
         if let Some(taken) = self.rig {
             let session = &self.under_test.device.session;
             taken.rig.bound(scenario, session, self.excess, takes_torque(scenario, session))?;
         }
         let mut interrupt = Interrupt(self.supervisor);
-        observers.insert(0, &mut interrupt);
-        Ok(run::run(scenario, &mut self.under_test, self.clock, &mut Observers(observers))?)
+        let mut observers = Observers(observers);
+        let mut all = Observers(vec![&mut interrupt, &mut observers]);
+        Ok(run::run(scenario, &mut self.under_test, self.clock, &mut all)?)
     }
 }
 

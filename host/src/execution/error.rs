@@ -3,6 +3,7 @@
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::run::RunError;
+use lashloop_bench::verdict::Exit;
 
 use crate::rig::RigError;
 
@@ -15,6 +16,17 @@ pub enum ExecutionError {
     /// Drive, link, plant or record failed, or the scenario doesn't fit the drive.
     #[error(transparent)]
     Run(#[from] RunError),
+}
+
+impl ExecutionError {
+    /// The exit code of a command that fails so.
+    #[must_use]
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Rig(error) => error.exit(),
+            Self::Run(error) => error.exit(),
+        }
+    }
 }
 
 impl From<DeviceError> for ExecutionError {

@@ -1,7 +1,7 @@
 //! Why a record can't be replayed.
 
 use lashloop_bench::device::DeviceError;
-use lashloop_bench::session::SetError;
+use lashloop_session::SetError;
 
 /// Why a record can't be replayed, and what to do.
 #[derive(Debug, thiserror::Error)]

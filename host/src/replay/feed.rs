@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use lashloop_bench::device::Device;
-use lashloop_bench::link::TimeBase;
 use lashloop_bench::scenario::sections::LinkSettings;
-use lashloop_bench::session::Exchange;
+use lashloop_link::TimeBase;
 use lashloop_record::diff::Tolerance;
+use lashloop_session::Exchange;
 
 use super::error::ReplayError;
 use super::parameters::RecordedParameters;

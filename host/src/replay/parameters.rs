@@ -1,8 +1,8 @@
 //! The parameters in force of a record, set on a device.
 
 use lashloop_bench::device::Device;
-use lashloop_bench::session::{SetError, WrittenValue};
 use lashloop_protocol::parameter_names::WATCHDOG_US;
+use lashloop_session::{SetError, WrittenValue};
 use serde::Deserialize;
 use serde_json::Value;
 

@@ -6,8 +6,8 @@
 use lashloop_bench::scenario::bench::key_of_pin;
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
 use lashloop_bench::scenario::{Origin, Scenario};
-use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue as WireValue;
+use lashloop_session::Parameter;
 
 use super::file::{Direction, Rig};
 
@@ -142,11 +142,11 @@ fn number(value: WireValue) -> f64 {
 mod tests {
     use lashloop_bench::atomic_file::WriteError;
     use lashloop_bench::run::{Clock, DeviceUnderTest, RunError, Step, StepObserver, run};
-    use lashloop_bench::session::LawMask;
     use lashloop_bench::supervisor::Supervisor;
     use lashloop_bench::timing::ClockName;
     use lashloop_firmware::drive::PinParameters;
     use lashloop_firmware::law::ParameterGroup as _;
+    use lashloop_session::LawMask;
 
     use super::*;
 

@@ -12,7 +12,7 @@ use lashloop_firmware::law::ParameterGroup as _;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
 use lashloop_protocol::enums::ParameterValue;
 
-use crate::flash::way::Way;
+use super::way::Way;
 
 /// Speed of a serial port, in bit/s.
 const BAUD: u32 = 921_600;
@@ -297,7 +297,8 @@ fn read_power_stage(stage: &mut Section<'_>) -> PowerStage {
 }
 
 /// Default of a number among the parameters of bench mode; NaN for any other name.
-pub(crate) fn pin_default(name: &str) -> f64 {
+#[must_use]
+pub fn pin_default(name: &str) -> f64 {
     let parameter = PinParameters::TABLE.iter().find(|parameter| parameter.name == name);
     match parameter.map(|parameter| parameter.range.default()) {
         // Decimal, as it is written: 0.1 is no number of either precision.

@@ -10,7 +10,7 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process;
 
-use lashloop_bench::session::printable;
+use lashloop_session::printable;
 use rustix::fs::{FlockOperation, Mode, OFlags, flock};
 
 /// Where locks of all users of a machine are, as far as the folder is open to all of them.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use lashloop_bench::device::{Device, DeviceChoice, DeviceError, Syntax};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
-use lashloop_bench::session::{Session, printable};
+use lashloop_bench::verdict::Exit;
+use lashloop_session::{Session, printable};
 
 use super::Rig;
 use super::drive_settings::MissingParameter;
@@ -33,6 +34,18 @@ pub enum RigError {
     /// Its drive lacks a parameter.
     #[error(transparent)]
     Parameter(#[from] MissingParameter),
+}
+
+impl RigError {
+    /// The exit code of a command that fails so.
+    #[must_use]
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::File(_) | Self::Limit(_) => Exit::UsageOrScenario,
+            Self::Lock(_) | Self::Parameter(_) => Exit::DeviceOrLink,
+            Self::Absent { .. } => Exit::HardwareAbsent,
+        }
+    }
 }
 
 /// A rig that this program uses alone.

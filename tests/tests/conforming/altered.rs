@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
-use lashloop_bench::link::in_process::InProcess;
-use lashloop_bench::link::{Link, LinkError};
-use lashloop_bench::session::SessionError;
+use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_session::SessionError;
 
 /// What arrives in place of a message, as bytes; the number counts the requests.
 pub type Alteration = fn(&DriveMessage, u32) -> Vec<u8>;

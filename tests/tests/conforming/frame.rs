@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop::conformance::CheckStatus;
+use lashloop_conformance::CheckStatus;
 use lashloop_protocol::enums::{LogLevel, Outcome, State};
 use lashloop_protocol::message::{CommandResult, Log, Start};
 use lashloop_protocol::text::Text;

@@ -44,7 +44,7 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
         .filter(|it| it.has_tag_name("testsuite"))
         .filter_map(|it| it.attribute("name"))
         .collect();
-    let mut wanted: Vec<_> = lashloop::conformance::list().map(|it| it.group).collect();
+    let mut wanted: Vec<_> = lashloop_conformance::list().map(|it| it.group).collect();
     wanted.dedup();
     assert_eq!(groups, wanted);
     assert!(groups.len() > 10, "{groups:?}");
@@ -68,8 +68,8 @@ fn a_silent_drive_leaves_an_error_with_its_diagnosis_in_the_junit_file() {
 #[test]
 fn the_list_has_every_check_and_every_rule_without_one() {
     let listed = run(["conformance", "--list"]).with_code(0).stdout;
-    let checks = lashloop::conformance::list().count();
-    let unchecked = lashloop::conformance::unchecked::UNCHECKED.len();
+    let checks = lashloop_conformance::list().count();
+    let unchecked = lashloop_conformance::unchecked::UNCHECKED.len();
     assert_eq!(listed.lines().count(), checks + unchecked, "{listed}");
     assert_eq!(listed.lines().filter(|line| line.contains("  no check: ")).count(), unchecked, "{listed}");
     let ran = run(["conformance", "--device", "inproc"]).with_code(0).stdout;

@@ -4,13 +4,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use lashloop_bench::device::session_number;
-use lashloop_bench::link::in_process::InProcess;
-use lashloop_bench::link::{Link, LinkError};
-use lashloop_bench::session::handshake::shake_hands;
-use lashloop_bench::session::line::Line;
-use lashloop_bench::session::{Exchange, Session, SessionError, SetError};
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     ChoiceDescription, CommandResult, DescribeChoice, DescribeParameter, EncoderSample, GetParameter,
@@ -18,6 +15,9 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, crc};
+use lashloop_session::handshake::shake_hands;
+use lashloop_session::line::Line;
+use lashloop_session::{Exchange, Session, SessionError, SetError};
 
 use crate::host::rest;
 use crate::markdown::{section, table};

@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
-use lashloop::conformance;
-use lashloop::conformance::unchecked::{Instead, UNCHECKED};
+use lashloop_conformance::unchecked::{Instead, UNCHECKED};
 use regex_lite::Regex;
 
 use crate::markdown::PROTOCOL;
@@ -38,7 +37,7 @@ fn of_page() -> BTreeSet<Rule> {
 
 /// The rules of the checks.
 fn checked() -> BTreeSet<Rule> {
-    conformance::list()
+    lashloop_conformance::list()
         .flat_map(|check| {
             assert!(!check.rules.is_empty(), "{}: {} cites no rule", check.group, check.name);
             check.rules.split(' ').map(rule).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! The image as `lashloop flash` writes it.
 
-use lashloop::flash::Image;
+use lashloop_hardware::flash::Image;
 use tests::program;
 use tests::records::Records;
 

@@ -10,14 +10,14 @@ use std::os::unix::net::{SocketAddr, UnixListener};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use lashloop_bench::link::socket::Socket;
-use lashloop_bench::session::{Exchange, Session};
+use lashloop_link::socket::Socket;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Mechanics, Start, TwoMass};
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
+use lashloop_session::{Exchange, Session};
 use tests::wait;
 
 /// QEMU's shift: 2^6 ns for an instruction.
@@ -112,7 +112,7 @@ pub(crate) fn of_every_law() {
     check("lashloop-firmware", &laws);
 }
 
-/// The laws of `examples/published-laws`, 5 % above the numbers of docs/laws.md.
+/// The laws of `studies/published-laws`, 5 % above the numbers of docs/laws.md.
 pub(crate) fn of_every_published_law() {
     let laws = [
         ("dead-band-cascade", 3000, 850),

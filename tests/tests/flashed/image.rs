@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use lashloop::flash::Image;
-use lashloop::flash::image::ImageProblem;
 use lashloop_bench::device::Build;
+use lashloop_hardware::flash::Image;
+use lashloop_hardware::flash::image::ImageProblem;
 use tests::elf::Elf;
 
 use crate::bench::Workbench;

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use lashloop_bench::capture::reader;
+use lashloop_decode::capture::reader;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::wire::Payload;

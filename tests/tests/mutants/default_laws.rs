@@ -1,10 +1,10 @@
 //! A drive passes with each law of Lashloop in force after power-up: no check assumes more of a law than the page does.
 
-use lashloop_bench::link::in_process::InProcess;
 use lashloop_firmware::control::backlash_inverse::BacklashInverse;
 use lashloop_firmware::control::merzouki::Merzouki;
 use lashloop_firmware::control::merzouki_as_printed::MerzoukiAsPrinted;
 use lashloop_firmware::control::pd::Pd;
+use lashloop_link::in_process::InProcess;
 
 use crate::skipped;
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 
-use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
 
 use crate::PROFILE;
 use crate::allowed::{EQUIVALENT, NOT_FOUND, Set};

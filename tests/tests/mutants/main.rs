@@ -12,9 +12,9 @@ mod wrong_laws;
 
 use std::collections::BTreeSet;
 
-use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
-use lashloop_bench::link::Link;
-use lashloop_bench::link::in_process::InProcess;
+use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_link::Link;
+use lashloop_link::in_process::InProcess;
 use laws::TestLaws;
 use mutation::{Mutant, Operator, Sites, When};
 use specimen::{FINE, FIXED, REAL, SLOW, Specimen};

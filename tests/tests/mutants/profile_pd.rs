@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use lashloop::conformance::CheckStatus;
-use lashloop_bench::link::in_process::InProcess;
-use lashloop_bench::link::{Link, LinkError, TimeBase};
+use lashloop_conformance::CheckStatus;
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_protocol::enums::State;
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};

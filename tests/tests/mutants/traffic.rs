@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
-use lashloop_bench::link::in_process::InProcess;
-use lashloop_bench::link::{Link, LinkError, TimeBase};
+use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_protocol::frame::DELIMITER;
 
 use crate::laws::TestLaws;

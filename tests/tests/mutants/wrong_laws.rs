@@ -1,10 +1,10 @@
 //! Wrong laws of the name `pd`, of which the golden trace finds each. The specimen has no law of that name.
 
-use lashloop::conformance::CheckStatus;
-use lashloop_bench::link::in_process::InProcess;
+use lashloop_conformance::CheckStatus;
 use lashloop_firmware::control::pd::Pd;
 use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
 use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_link::in_process::InProcess;
 
 use crate::results;
 

@@ -9,13 +9,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_bench::session::{Exchange, Session};
 use lashloop_firmware::Laws;
+use lashloop_link::in_process::InProcess;
 use lashloop_plant::reference::Reference;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_session::{Exchange, Session};
 
 /// Samples of a run, those that are left out included.
 const STEPS: u32 = 240;

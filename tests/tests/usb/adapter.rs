@@ -1,6 +1,6 @@
 //! An FTDI adapter in software, with a latency timer that holds bytes back, on the kernel's `ftdi_sio`.
 
-use lashloop_bench::link::latency_timer::UDEV_RULE;
+use lashloop_link::latency_timer::UDEV_RULE;
 use tests::usb_guest::request::User;
 
 use crate::machine::{

@@ -38,7 +38,7 @@ def find_program() -> Path:
     built = [path for folder in _target_folders() for path in _builds(folder) if path.is_file()]
     if not built:
         raise ProgramNotFoundError(
-            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop` in a checkout, put it "
+            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop-cli` in a checkout, put it "
             f"into PATH, or name it in {VARIABLE}"
         )
     return max(built, key=lambda path: path.stat().st_mtime)

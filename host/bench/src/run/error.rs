@@ -7,6 +7,7 @@ use crate::device::DeviceError;
 use crate::fault::timeline::UnsupportedFault;
 use crate::scenario::{ScenarioError, ScenarioErrors};
 use crate::timing::ClockName;
+use crate::verdict::Exit;
 
 /// Why a run could not be started or finished.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +78,18 @@ pub enum RunError {
     /// The system can't pace the run.
     #[error("the system can't keep time: {0}")]
     Pace(#[from] std::io::Error),
+}
+
+impl RunError {
+    /// The exit code of a run that fails so.
+    #[must_use]
+    pub fn exit(&self) -> Exit {
+        match self {
+            Self::Device(DeviceError::NoScale { .. }) => Exit::UsageOrScenario,
+            Self::Device(_) => Exit::DeviceOrLink,
+            _ => Exit::UsageOrScenario,
+        }
+    }
 }
 
 impl From<ScenarioError> for RunError {

@@ -1,7 +1,7 @@
 //! What happens in a run besides its steps, at the moment that it happens.
 
 use crate::fault::timeline::FaultEdge;
-use crate::session::LogEntry;
+use lashloop_session::LogEntry;
 
 /// An event of a run.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use lashloop_bench::link::{Link, LinkError};
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::BenchSample;
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, Message};
 

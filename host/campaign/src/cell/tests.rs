@@ -1,8 +1,8 @@
-use lashloop_bench::session::AtStep;
 use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
 use lashloop_plant::{PlantError, Signal};
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::FaultReport;
+use lashloop_session::AtStep;
 
 use super::*;
 

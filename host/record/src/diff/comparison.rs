@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use lashloop_bench::names::UnknownName;
 use lashloop_plant::metrics::DRIVE_PREFIX;
+use lashloop_session::names::UnknownName;
 use serde::Serialize;
 use serde_json::Value;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lashloop_bench::names::UnknownName;
+use lashloop_session::names::UnknownName;
 
 use crate::reader::ReadError;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use lashloop_bench::session::printable;
+use lashloop_session::printable;
 
 use super::comparison::{Agreement, Comparison};
 use super::figure::{exact, figure};

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use lashloop_bench::names::UnknownName;
+use lashloop_session::names::UnknownName;
 use serde::Serialize;
 
 /// A largest difference.

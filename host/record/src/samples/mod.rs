@@ -16,7 +16,6 @@ mod columns;
 mod events;
 mod layout;
 mod reader;
-mod sink;
 mod table;
 mod writer;
 

@@ -16,7 +16,6 @@
 pub mod assets;
 mod campaign;
 mod campaign_page;
-mod check;
 mod codec;
 mod comparison_page;
 mod data;
@@ -35,7 +34,6 @@ mod why;
 
 pub use campaign::input::CampaignResults;
 pub use campaign_page::campaign;
-pub use check::Check;
 pub use comparison_page::{comparison, diff};
 pub use input::Run;
 pub use margin::{Grade, Margin};

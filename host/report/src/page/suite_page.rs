@@ -1,9 +1,9 @@
 //! The index page of a suite of cases.
 
+use lashloop_campaign::suite::check::Check;
 use maud::{Markup, html};
 
-use super::check::Check;
-use super::margin::Grade;
+use super::margin::{Grade, Margin};
 use super::part::command::copied;
 use super::shell::document;
 use super::typeset::{apart, percent, shown, unit};
@@ -54,15 +54,19 @@ const MARGINAL: &str = "marginal";
 
 impl SuiteRow {
     fn label(&self) -> &str {
-        let is_marginal = || self.checks.iter().any(|it| it.grade() == Grade::Marginal);
+        let is_marginal = || self.checks.iter().any(|it| Grade::of(it.ok, margin(it)) == Grade::Marginal);
         if self.verdict == "PASS" && is_marginal() { MARGINAL } else { &self.verdict }
     }
 
     /// The check with the smallest margin.
     fn tightest(&self) -> Option<(&Check, f64)> {
-        let margins = self.checks.iter().filter_map(|it| Some((it, it.margin()?.fraction?)));
+        let margins = self.checks.iter().filter_map(|it| Some((it, margin(it)?.fraction?)));
         margins.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
+}
+
+fn margin(check: &Check) -> Option<Margin> {
+    Margin::of(check.value?, check.min, check.max)
 }
 
 fn tone(label: &str) -> Tone {

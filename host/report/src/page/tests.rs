@@ -9,7 +9,9 @@ use lashloop_record::reader::{ReadError, ReadFault, Record};
 
 use crate::runs::{Input, Selection, figure};
 
-use super::{Check, Run, Suite, SuiteRow, comparison, run, suite};
+use lashloop_campaign::suite::check::Check;
+
+use super::{Run, Suite, SuiteRow, comparison, run, suite};
 
 const HOSTILE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
 

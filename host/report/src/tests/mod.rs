@@ -1,6 +1,5 @@
 //! The document, parsed back as a viewer does.
 
-mod demo;
 mod document;
 
 use roxmltree::Document;

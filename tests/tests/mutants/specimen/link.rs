@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_bench::link::{Link, LinkError};
+use lashloop_link::{Link, LinkError};
 
 use super::Drive;
 use super::description::{PARAMETERS, Table};

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 16] = [
+const ALLOWED: [(&str, &[&str]); 22] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
@@ -17,12 +17,76 @@ const ALLOWED: [(&str, &[&str]); 16] = [
         "lashloop-bench",
         &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link", "lashloop-session"],
     ),
-    ("lashloop-record", &["lashloop-protocol", "lashloop-plant", "lashloop-bench"]),
-    ("lashloop-campaign", &["lashloop-plant", "lashloop-bench", "lashloop-record"]),
-    ("lashloop-report", &["lashloop-bench", "lashloop-plant", "lashloop-record", "lashloop-campaign"]),
+    ("lashloop-record", &["lashloop-protocol", "lashloop-plant", "lashloop-session", "lashloop-bench"]),
     ("lashloop-identify", &["lashloop-plant"]),
     (
         "lashloop",
+        &[
+            "lashloop-protocol",
+            "lashloop-plant",
+            "lashloop-firmware",
+            "lashloop-link",
+            "lashloop-session",
+            "lashloop-bench",
+            "lashloop-record",
+        ],
+    ),
+    // A drive is checked without a bench.
+    ("lashloop-conformance", &["lashloop-protocol", "lashloop-link", "lashloop-session"]),
+    (
+        "lashloop-decode",
+        &[
+            "lashloop-protocol",
+            "lashloop-plant",
+            "lashloop-link",
+            "lashloop-session",
+            "lashloop-bench",
+            "lashloop-record",
+        ],
+    ),
+    (
+        "lashloop-hardware",
+        &[
+            "lashloop-protocol",
+            "lashloop-plant",
+            "lashloop-link",
+            "lashloop-session",
+            "lashloop-bench",
+            "lashloop-record",
+            "lashloop-identify",
+            "lashloop",
+        ],
+    ),
+    (
+        "lashloop-campaign",
+        &[
+            "lashloop-protocol",
+            "lashloop-plant",
+            "lashloop-link",
+            "lashloop-bench",
+            "lashloop-record",
+            "lashloop",
+        ],
+    ),
+    (
+        "lashloop-report",
+        &["lashloop-plant", "lashloop-session", "lashloop-bench", "lashloop-record", "lashloop-campaign"],
+    ),
+    ("lashloop-live", &["lashloop-protocol", "lashloop-plant", "lashloop-bench", "lashloop-report"]),
+    // A study, of which the command line has the commands.
+    (
+        "merzouki-2005",
+        &[
+            "lashloop-plant",
+            "lashloop-bench",
+            "lashloop-record",
+            "lashloop",
+            "lashloop-campaign",
+            "lashloop-report",
+        ],
+    ),
+    (
+        "lashloop-cli",
         &[
             "lashloop-protocol",
             "lashloop-firmware",
@@ -31,9 +95,15 @@ const ALLOWED: [(&str, &[&str]); 16] = [
             "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
-            "lashloop-report",
             "lashloop-identify",
+            "lashloop",
+            "lashloop-conformance",
+            "lashloop-decode",
+            "lashloop-hardware",
             "lashloop-campaign",
+            "lashloop-report",
+            "lashloop-live",
+            "merzouki-2005",
         ],
     ),
     (
@@ -41,22 +111,27 @@ const ALLOWED: [(&str, &[&str]); 16] = [
         &[
             "lashloop-protocol",
             "lashloop-firmware",
-            "lashloop-identify",
             "lashloop-plant",
             "lashloop-link",
             "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
-            "lashloop-report",
-            "lashloop-campaign",
+            "lashloop-identify",
             "lashloop",
+            "lashloop-conformance",
+            "lashloop-decode",
+            "lashloop-hardware",
+            "lashloop-campaign",
+            "lashloop-report",
+            "merzouki-2005",
+            "lashloop-cli",
         ],
     ),
     ("xtask", &["lashloop-protocol"]),
     // Crates of a user: they may use what is for users.
-    ("own-law", &["lashloop-firmware", "lashloop"]),
-    ("own-plant", &["lashloop-plant", "lashloop"]),
-    ("published-laws", &["lashloop-firmware", "lashloop"]),
+    ("own-law", &["lashloop-firmware", "lashloop", "lashloop-cli"]),
+    ("own-plant", &["lashloop-plant", "lashloop", "lashloop-cli"]),
+    ("published-laws", &["lashloop-firmware", "lashloop", "lashloop-cli", "merzouki-2005"]),
 ];
 
 /// Dependencies that the table doesn't allow, one sentence each.

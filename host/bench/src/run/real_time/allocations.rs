@@ -17,8 +17,6 @@ use lashloop_link::{Link, LinkError, TimeBase};
 use super::loop_thread::Item;
 use super::pacer::{Pacer, WallClock};
 use super::*;
-use crate::capture::link::Captured;
-use crate::capture::{WhenFull, create};
 use crate::device::kinds::terminal::TerminalDrive;
 use crate::device::{Device, DeviceChoice, DeviceError, DeviceKind, DriveHost, Opened};
 use crate::fault::timeline::Timeline;
@@ -31,6 +29,8 @@ use crate::run::{End, Event, RunError, setup};
 use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
+use lashloop_decode::capture::link::Captured;
+use lashloop_decode::capture::{WhenFull, create};
 
 /// Steps that the loop records; the last of 4,000 is recorded after it.
 const STEPS: u64 = 3_999;

@@ -1,5 +1,0 @@
-//! The command line of `lashloop`, with the laws of this crate in `inproc` and `native`.
-
-fn main() -> std::process::ExitCode {
-    lashloop::Bench::new().with_laws::<published_laws::PublishedLaws>().main()
-}

@@ -1,0 +1,86 @@
+//! `lashloop battery`: control laws on plants outside their tuning.
+
+use clap::Args;
+use lashloop_bench::device::kinds::in_process::InProcessDrive;
+use lashloop_bench::verdict::Exit;
+use lashloop_campaign::Selection;
+use lashloop_campaign::merge::RESULTS;
+use lashloop_campaign::shard::Shard;
+use lashloop_campaign::table::Table;
+use lashloop_firmware::Laws;
+
+use super::campaign_run::{
+    Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
+};
+use super::error::CliError;
+use super::options::plants;
+use super::output::outln;
+use super::supervision::start_supervisor;
+use lashloop::Bench;
+use merzouki_2005::battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
+use merzouki_2005::battery::text::Tables;
+
+/// Run control laws on random and varied plants, in process and in parallel
+///
+/// First random plants (parameters within 30 % of their nominal values; gap, stiction and encoders over ranges of their
+/// own), then the nominal plant with one quantity varied at a time. Exit code 1 if a law misses one of its limits on the
+/// random plants. The campaign is campaigns/battery.toml; `lashloop campaign` runs others.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Number of random plants
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    plants: u64,
+
+    /// Seed of every random stream; equal seeds give equal plants and tables
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Control laws under test, separated by commas
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "pd,merzouki,backlash-inverse,braking-curve",
+        value_parser = parse_law
+    )]
+    controller: Vec<String>,
+
+    /// Omit the runs with one quantity varied
+    #[arg(long)]
+    no_sweeps: bool,
+
+    #[command(flatten)]
+    runs: RunsOptions,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let selection = Selection {
+            seed: Some(self.seed),
+            set: Vec::new(),
+            parts: if self.no_sweeps { vec![RANDOM_PLANTS.to_owned()] } else { Vec::new() },
+            variants: self.controller,
+            points: Some(self.plants),
+        };
+        let campaign = campaign(selection, &plants(bench))?;
+        let folder = ResultsFolder::new(self.runs.out.as_deref())?;
+        let folder = folder.path();
+        let (device, supervisor) = (InProcessDrive::<Laws>::default().into(), start_supervisor()?);
+        let is_kept = self.runs.out.is_some();
+        let execution =
+            Execution { campaign: &campaign, device: &device, folder, supervisor: &supervisor, is_kept };
+        let Made { done, .. } =
+            execution.run(Shard::WHOLE, jobs(self.runs.jobs, &device)?, start(self.runs.resume))?;
+        if let Some(text) = interruption(done, campaign.plan.cases(), self.runs.out.as_deref()) {
+            outln!("{text}");
+            return Ok(Exit::Invalid);
+        }
+        let Some(Concluded { report, .. }) = execution.conclude()? else {
+            outln!("{}", evidence_interrupted(folder));
+            return Ok(Exit::Invalid);
+        };
+        let verdict = report.verdict;
+        outln!("{}", Tables::new(report, &Table::new(&campaign, &folder.join(RESULTS)))?);
+        Ok(verdict.into())
+    }
+}

@@ -1,0 +1,325 @@
+//! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::run::{Clock, check_bench_mode};
+use lashloop_bench::scenario::{Override, RunMode, Scenario};
+use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::Exit;
+use lashloop_identify::Instruments;
+use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::source::RunSource;
+use lashloop_record::summary::Summary;
+use lashloop_record::writer::RecordWriter;
+
+use super::clock_options::ClockOptions;
+use super::error::{CliError, system};
+use super::identify::{encoder_noise, write_estimates};
+use super::options::{RigOption, plants};
+use super::output::{error_line, outln, prepare_folder, write_file};
+use super::supervision::start_supervisor;
+use lashloop::Bench;
+use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
+use lashloop::execution::{Excess, OpenDrive, Place};
+use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, table};
+use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
+use lashloop::rig::{Rig, TakenRig};
+
+/// The scenario of a command line without one.
+const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
+const SCENARIO_NAME: &str = "scenarios/commission.toml";
+
+/// Move an unknown drive train within limits and estimate its parameters
+///
+/// The motions are torques without a loop: a slow ramp each way until the load moves, a slow reversal, steps, and pulses. No
+/// motion begins before the limits are confirmed, and a limit that is exceeded switches the torque off.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Scenario whose mode, period, encoders and plant are taken [default: scenarios/commission.toml]
+    scenario: Option<PathBuf>,
+
+    /// Value in place of the scenario's, such as encoders.motor_counts_per_rev=8192; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Drive, see `lashloop run --help`
+    #[arg(long, default_value = "native", value_name = "DEVICE", conflicts_with = "rig")]
+    device: DeviceChoice,
+
+    #[command(flatten)]
+    rig: RigOption,
+
+    /// Mode in place of the scenario's, see `lashloop run --help` [default with --rig: bench]
+    #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
+    mode: Option<String>,
+
+    /// Largest torque at the motor, in N m [default: that of the rig]
+    #[arg(long, value_name = "N_M", value_parser = positive, allow_negative_numbers = true)]
+    torque_limit: Option<f64>,
+
+    /// Largest speed of the motor, in rad/s [default: that of the rig]
+    #[arg(long, value_name = "RAD_S", value_parser = positive, allow_negative_numbers = true)]
+    motor_speed_limit: Option<f64>,
+
+    /// Largest speed of the load, in rad/s [default: that of the rig]
+    #[arg(long, value_name = "RAD_S", value_parser = positive, allow_negative_numbers = true)]
+    load_speed_limit: Option<f64>,
+
+    /// Largest distance of the load from its first position, in rad [default: that of the rig]
+    #[arg(long, value_name = "RAD", value_parser = positive, allow_negative_numbers = true)]
+    travel_limit: Option<f64>,
+
+    /// Confirm the limits without a question
+    #[arg(long)]
+    yes: bool,
+
+    /// Bench mode: time from a tick to the torque at the motor, in us; its standard deviation is a third of it [default: 75]
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    torque_delay_us: Option<u32>,
+
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this either way [default: none]
+    #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
+    encoder_noise: Option<f64>,
+
+    /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
+    #[arg(long, value_name = "SCENARIO")]
+    start: Option<PathBuf>,
+
+    #[command(flatten)]
+    clock: ClockOptions,
+
+    /// Folder for plant.toml, drive.toml, estimates.json and a record of each motion
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Replace the records that the folder of --out holds
+    #[arg(long, requires = "out")]
+    force: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    if value > 0.0 && f64::is_finite(value) { Ok(value) } else { Err(format!("{value} is not above 0")) }
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let rig = self.rig.take(bench, "commission")?;
+        let limits = self.limits(rig.as_ref())?;
+        let scenario =
+            |more: &[String]| self.scenario(rig.as_ref().map(|taken| &taken.rig), &limits, more, bench);
+        let template = scenario(&[])?;
+        let place = Place::of(rig.as_ref(), &self.device);
+        place.check(&template)?;
+        let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
+        if let Some(folder) = &self.out {
+            RecordFolder::check_inside(folder, self.force)?;
+        }
+        let supervisor = start_supervisor()?;
+        let clock = self.clock(&template, place.choice())?;
+        let drive = OpenDrive::open(&mut template.clone(), place, clock, &supervisor)?;
+        let drive = drive.with_excess(Excess::Guarded);
+        if !template.run.mode.is_hil() {
+            check_bench_mode(drive.device(), clock.name())?;
+        }
+        if !confirmed(&limits, &place.choice().to_string(), self.yes)? {
+            outln!("not confirmed: nothing was moved");
+            return Ok(Exit::Invalid);
+        }
+        let known = self.instruments(&template, rig.as_ref());
+        if let Some(folder) = &self.out {
+            prepare_folder(folder, &[])?;
+        }
+        let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
+        let mut source = RunSource::new(
+            Path::new(&template.name),
+            &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
+            &plants(bench),
+        );
+        source.rig = place.rig().map(|taken| taken.file.clone());
+        let writer = |name: &str| {
+            let Some(folder) = &self.out else { return Ok(None) };
+            let claimed = RecordFolder::claim(&folder.join(name), self.force);
+            let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
+            Ok(Some(RecordWriter::new(claimed, source.clone())))
+        };
+        let mut record = |mut run: RunRecord<'_>| {
+            let end = match run.halt {
+                Some(Halt::Moved) => "until the load moved".to_owned(),
+                Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
+                Some(Halt::NotAtRest) | None => run.outcome.end.to_string(),
+            };
+            outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
+            run.writer.take().map_or(Ok(()), |writer| complete(writer, &run, &known))
+        };
+        let mut drive_train = OnDevice {
+            scenario: &scenario,
+            drive,
+            instruments: known,
+            period_s: template.run.control_period_s(),
+            folder: temporary.path(),
+            writer: &writer,
+            record: &mut record,
+        };
+        let period_us = template.run.control_period_us;
+        let signals = supervisor.guard_signals();
+        let commissioned =
+            commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
+        drop(signals);
+        let Commissioned { identified, breakaway, .. } = commissioned.map_err(failed)?;
+        let (forward_nm, backward_nm) = (breakaway.forward_nm, breakaway.backward_nm);
+        outln!(
+            "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
+        );
+        outln!("{}", table(&identified).trim_end());
+        if let Some(folder) = &self.out {
+            let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
+            write_estimates(folder, &identified, template.run.mode, offers)?;
+        }
+        Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
+    }
+
+    /// The limits of the options; those of the rig where an option is absent.
+    fn limits(&self, rig: Option<&TakenRig>) -> Result<Limits, CliError> {
+        let of_rig = rig.map(|taken| &taken.rig.limits);
+        let absent = |key: &str| match rig {
+            Some(taken) => format!("is missing, and {} has no limits.{key}", taken.rig.file.display()),
+            None => "is missing, and there is no --rig to have it".to_owned(),
+        };
+        let limit = |option: &'static str, key, given: Option<f64>, of_rig: Option<f64>| match (given, of_rig)
+        {
+            (Some(given), Some(largest)) if given > largest => Err(CliError::CommissionLimit {
+                option,
+                problem: format!("{given} exceeds the rig's {largest}"),
+            }),
+            (given, of_rig) => {
+                given.or(of_rig).ok_or_else(|| CliError::CommissionLimit { option, problem: absent(key) })
+            }
+        };
+        Ok(Limits {
+            torque_nm: limit(
+                "--torque-limit",
+                "torque_nm",
+                self.torque_limit,
+                of_rig.map(|it| it.torque_nm),
+            )?,
+            motor_speed_rad_s: limit(
+                "--motor-speed-limit",
+                "motor_speed_rad_s",
+                self.motor_speed_limit,
+                of_rig.and_then(|it| it.motor_speed_rad_s),
+            )?,
+            load_speed_rad_s: limit(
+                "--load-speed-limit",
+                "load_speed_rad_s",
+                self.load_speed_limit,
+                of_rig.and_then(|it| it.load_speed_rad_s),
+            )?,
+            load_travel_rad: limit(
+                "--travel-limit",
+                "load_travel_rad",
+                self.travel_limit,
+                of_rig.map(|it| it.load_travel_rad),
+            )?,
+        })
+    }
+
+    fn overrides(&self, limits: &Limits, rig: Option<&Rig>, more: &[String]) -> Vec<Override> {
+        let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
+        let of_rig = rig.map(encoders_of).unwrap_or_default();
+        let settings =
+            self.set.iter().cloned().chain(of_rig).chain(settings(limits)).chain(more.iter().cloned());
+        mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect()
+    }
+
+    /// Lockstep, unless the drive is on hardware and has a time of its own.
+    fn clock(&self, template: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
+        let clock = self.clock.clock()?;
+        let name = ClockName::Lockstep;
+        let is_real = clock == Clock::Lockstep
+            && template.run.mode == RunMode::Bench
+            && !choice.for_run(template, name)?.keeps_bench_clock(name);
+        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
+    }
+
+    /// What is given of the instruments. In bench mode the power stage has a delay and a step.
+    fn instruments(&self, template: &Scenario, rig: Option<&TakenRig>) -> Instruments {
+        let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
+        let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
+        let delay_us = self.torque_delay_us.unwrap_or(TORQUE_DELAY_US);
+        let noise_counts = self.encoder_noise.unwrap_or_default();
+        Instruments { noise_counts, ..instruments(template, torque_per_duty_nm, delay_us) }
+    }
+
+    /// The scenario of motions with these settings.
+    fn scenario(
+        &self,
+        rig: Option<&Rig>,
+        limits: &Limits,
+        more: &[String],
+        bench: &Bench,
+    ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
+        let settings = self.overrides(limits, rig, more);
+        match &self.scenario {
+            Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
+            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
+        }
+    }
+}
+
+/// Shows the limits and takes the confirmation.
+fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError> {
+    let Limits { torque_nm, motor_speed_rad_s, load_speed_rad_s, load_travel_rad } = limits;
+    error_line(format_args!(
+        "{device} is about to move: torque up to {torque_nm} N m, motor up to {motor_speed_rad_s} rad/s, load up to \
+         {load_speed_rad_s} rad/s, within {load_travel_rad} rad either way of where the load stands"
+    ));
+    if yes {
+        return Ok(true);
+    }
+    if !io::stdin().is_terminal() {
+        return Err(CliError::CommissionLimit {
+            option: "--yes",
+            problem: "is missing, and standard input is no terminal to confirm the limits on".to_owned(),
+        });
+    }
+    let mut stderr = io::stderr();
+    let asked = write!(stderr, "Keep clear. Type yes to start: ").and_then(|()| stderr.flush());
+    asked.map_err(system("write to the terminal"))?;
+    let mut answer = String::new();
+    io::stdin().read_line(&mut answer).map_err(system("read from the terminal"))?;
+    Ok(answer.trim() == "yes")
+}
+
+/// The resolutions that a rig file has, as settings of a scenario.
+fn encoders_of(rig: &Rig) -> Vec<String> {
+    let [motor, load] = [rig.encoders.motor_counts_per_rev, rig.encoders.load_counts_per_rev];
+    let setting = |key, counts: Option<u32>| counts.map(|counts| format!("encoders.{key}={counts}"));
+    [setting("motor_counts_per_rev", motor), setting("load_counts_per_rev", load)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// Completes the record of a motion, with the facts that `identify` needs.
+fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> Result<(), RecordError> {
+    let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
+    write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
+        .map_err(|error| RecordError(error.to_string().into()))?;
+    let summary = Summary::new(run.scenario, run.device, run.outcome);
+    writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
+}
+
+fn failed(error: CommissioningError<MotionError>) -> CliError {
+    match error {
+        CommissioningError::Motion(MotionError::Run(error)) => error.into(),
+        CommissioningError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
+        CommissioningError::Identify(error) => CliError::Identify(error),
+        other => CliError::Commission(Box::new(other)),
+    }
+}

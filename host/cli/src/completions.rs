@@ -1,0 +1,59 @@
+//! `lashloop completions`: completions of a shell, and man pages.
+
+use std::io;
+use std::path::PathBuf;
+
+use clap::{Args, Command, CommandFactory};
+use clap_complete::Shell;
+use lashloop_bench::verdict::Exit;
+
+use super::Lashloop;
+use super::error::{CliError, system};
+use super::output::{outln, prepare_folder, write_file};
+use lashloop::Bench;
+
+/// Print the completions of a shell, or write man pages
+///
+/// For bash: `lashloop completions bash > ~/.local/share/bash-completion/completions/lashloop`.
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+pub(crate) struct Arguments {
+    /// Shell whose completions are printed
+    shell: Option<Shell>,
+
+    /// Folder for the man pages, one for each command
+    #[arg(long, value_name = "DIR")]
+    man: Option<PathBuf>,
+}
+
+const NAME: &str = "lashloop";
+
+impl Arguments {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        let mut command = Lashloop::command().name(NAME);
+        if let Some(shell) = self.shell {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut command, NAME, &mut script);
+            outln!("{}", String::from_utf8_lossy(&script).trim_end());
+        }
+        if let Some(folder) = self.man {
+            prepare_folder(&folder, &[])?;
+            command.build();
+            for (name, page) in pages(&command, NAME).map_err(system("write a man page"))? {
+                write_file(&folder.join(format!("{name}.1")), &page)?;
+            }
+        }
+        Ok(Exit::Pass)
+    }
+}
+
+/// Name and text of the page of a command and of each command in it.
+fn pages(command: &Command, name: &str) -> io::Result<Vec<(String, String)>> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command.clone()).title(name.to_owned()).render(&mut page)?;
+    let mut pages = vec![(name.to_owned(), String::from_utf8_lossy(&page).into_owned())];
+    for inside in command.get_subcommands().filter(|it| !it.is_hide_set() && it.get_name() != "help") {
+        pages.extend(self::pages(inside, &format!("{name}-{}", inside.get_name()))?);
+    }
+    Ok(pages)
+}

@@ -1,0 +1,146 @@
+//! `lashloop conformance`: whether a drive conforms to the protocol.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+
+use clap::Args;
+use lashloop::Bench;
+use lashloop_bench::device::{Connection, session_number};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
+use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
+use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, Reporter, junit};
+use lashloop_protocol::message::Identity;
+
+use super::error::{CliError, system};
+use super::options::{BaudOption, DeviceOption};
+use super::output::outln;
+use super::report_files;
+use super::supervision::start_supervisor;
+
+/// Check a drive against the protocol, rule by rule
+///
+/// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
+/// mechanics: some checks produce torque. Ends after 30 s at most; repeats less on a slow line: 10 times, 5 from 1.5 ms for an
+/// exchange, once from 2.5 ms. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the line fails or
+/// if rules were left untested for lack of time.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    drive: DeviceOption,
+
+    /// Print all checks with the rules they test, and the rules without a check; needs no drive
+    #[arg(long)]
+    list: bool,
+
+    #[command(flatten)]
+    line: BaudOption,
+
+    /// File for the results as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        if self.list {
+            print_list();
+            return Ok(Exit::Pass);
+        }
+        let supervisor = start_supervisor()?;
+        let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
+        let mut printer = Printer {
+            connection: &connection,
+            device: self.drive.device.to_string(),
+            results: Vec::new(),
+            supervisor: &supervisor,
+        };
+        let signals = supervisor.guard_signals();
+        let ended = conformance::run(link, session_number(), &mut printer);
+        drop(signals);
+        let Printer { device, results, .. } = printer;
+        let ended = ended.map_err(|source| connection.explain(source));
+        if let Some(path) = &self.junit {
+            let interrupted = supervisor.interrupted().then_some(&"interrupted" as &dyn Display);
+            let ended_by = ended.as_ref().err().map(|error| error as &dyn Display).or(interrupted);
+            let xml =
+                junit::report(&device, &results, ended_by).map_err(system("write the results as XML"))?;
+            report_files::write(path, "--junit", &xml)?;
+        }
+        ended?;
+        let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
+        outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
+        Ok(match (failed, not_judged) {
+            _ if supervisor.interrupted() => Exit::Invalid,
+            (0, 0) => Exit::Pass,
+            (0, _) => Exit::DeviceOrLink,
+            _ => Exit::Fail,
+        })
+    }
+}
+
+fn print_list() {
+    for Listed { group, rules, name } in conformance::list() {
+        outln!("{rules:<16}  {group}: {name}");
+    }
+    for Unchecked { rule, instead } in UNCHECKED {
+        outln!("{rule:<16}  no check: {instead}");
+    }
+}
+
+/// Numbers of checks by status.
+#[derive(Default)]
+struct Counts {
+    passed: usize,
+    failed: usize,
+    not_judged: usize,
+    skipped: usize,
+}
+
+impl Counts {
+    fn of(results: &[CheckResult]) -> Self {
+        let mut counts = Self::default();
+        for result in results {
+            *match result.status {
+                CheckStatus::Passed => &mut counts.passed,
+                CheckStatus::Failed { .. } => &mut counts.failed,
+                CheckStatus::NotJudged { .. } => &mut counts.not_judged,
+                CheckStatus::Skipped { .. } => &mut counts.skipped,
+            } += 1;
+        }
+        counts
+    }
+}
+
+struct Printer<'a> {
+    connection: &'a Connection,
+    /// Description of the drive under test.
+    device: String,
+    results: Vec<CheckResult>,
+    supervisor: &'a Supervisor,
+}
+
+impl Reporter for Printer<'_> {
+    fn connected(&mut self, identity: &Identity) {
+        self.device = self.connection.description(identity);
+        outln!("{}", self.device);
+    }
+
+    fn checked(&mut self, result: &CheckResult) {
+        let CheckResult { group, rules, name, status, note, .. } = result;
+        let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
+        match status {
+            CheckStatus::Passed => outln!("PASS        {rules}  {group}: {name}{note}"),
+            CheckStatus::Failed { expected, got } => {
+                outln!("FAIL        {rules}  {group}: {name}{note}; expected {expected}, got {got}");
+            }
+            CheckStatus::NotJudged { cause } => outln!("NOT JUDGED  {rules}  {group}: {name}; {cause}"),
+            CheckStatus::Skipped { reason } => outln!("SKIPPED     {rules}  {group}: {name}; {reason}"),
+        }
+        self.results.push(result.clone());
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.supervisor.interrupted()
+    }
+}

@@ -1,0 +1,81 @@
+//! `lashloop export`: a record as CSV, Parquet or MCAP.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use lashloop_bench::verdict::Exit;
+use lashloop_record::export::{Format, Selection, export};
+use lashloop_record::file_names::EXPORT_FILES;
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::reader::{Completeness, Record};
+
+use super::error::CliError;
+use super::output::{error_line, outln};
+use lashloop::Bench;
+
+/// Write a record as CSV, Parquet or MCAP, with chosen signals and every n-th step
+///
+/// Numbers have all their bits. Without --signal, the file has every column of the run and its timing.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Folder of the record
+    #[arg(value_name = "DIR")]
+    record: PathBuf,
+
+    /// Format; parquet is a feature of the build
+    #[arg(long, value_name = "FORMAT")]
+    to: To,
+
+    /// Columns besides the time, such as twist_rad or drive.load_error_rad [default: all]
+    #[arg(long = "signal", value_name = "NAME", num_args = 1..)]
+    signals: Vec<String>,
+
+    /// Every n-th step
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+
+    /// Start of the exported time, in s
+    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    from: f64,
+
+    /// End of the exported time, in s [default: end of the record]
+    #[arg(long, default_value_t = f64::INFINITY, value_name = "S", hide_default_value = true)]
+    until: f64,
+
+    /// File [default: export.csv, export.parquet or export.mcap in the folder of the record]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum To {
+    Csv,
+    Parquet,
+    Mcap,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        let (from, until) = (self.from, self.until);
+        if from.is_nan() || until.is_nan() || from >= until {
+            return Err(CliError::Nothing { from, until });
+        }
+        let record = Record::read(&self.record)?;
+        if let interrupted @ Completeness::Interrupted { .. } = record.completeness() {
+            error_line(format_args!("lashloop: warning: {}: {interrupted}", self.record.display()));
+        }
+        let every = self.every as usize;
+        let columns = Selection { signals: self.signals, every, from_s: from, until_s: until }.of(&record)?;
+        let [csv, parquet, mcap] = EXPORT_FILES;
+        let (format, name) = match self.to {
+            To::Csv => (Format::Csv, csv),
+            To::Parquet => (Format::Parquet, parquet),
+            To::Mcap => (Format::Mcap, mcap),
+        };
+        let path = self.out.unwrap_or_else(|| self.record.join(name));
+        RecordFolder::check_output(&path)?;
+        export(&columns, format, &path)?;
+        outln!("{} rows of {} columns: {}", columns.len(), columns.signals().len(), path.display());
+        Ok(Exit::Pass)
+    }
+}

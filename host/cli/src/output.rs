@@ -1,0 +1,65 @@
+//! Standard output, standard error and output files.
+
+use std::fmt::Arguments;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::{fs, process};
+
+use lashloop_bench::atomic_file::{WriteError, write_whole_at};
+use lashloop_bench::verdict::Exit;
+use lashloop_record::folder::RecordFolder;
+
+use super::error::CliError;
+
+/// Prints a formatted line on standard output.
+macro_rules! outln {
+    ($($text:tt)*) => {
+        $crate::output::line(format_args!($($text)*))
+    };
+}
+
+pub(super) use outln;
+
+/// Prints a line on standard output. A closed pipe (`| head`) does not fail a run. Any other write error ends the program
+/// (`> /dev/full`), because the user relies on the output.
+pub(super) fn line(text: Arguments<'_>) {
+    if let Err(error) = writeln!(io::stdout(), "{text}")
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        error_line(format_args!("lashloop: standard output can't be written: {error}"));
+        process::exit(Exit::UsageOrScenario as i32);
+    }
+}
+
+/// Prints a line on standard error. Its own write errors have no place to go and are ignored.
+pub(super) fn error_line(text: Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Creates an output folder. Removes these files of an earlier command first: next to the files of an interrupted one they
+/// would be wrong.
+pub(super) fn prepare_folder(folder: &Path, stale: &[&str]) -> Result<(), CliError> {
+    let failed = |source| CliError::Output { path: folder.to_owned(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    for name in stale {
+        match fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file, whole or not at all, in place of an older one that is not part of a record.
+pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    RecordFolder::check_output(path)?;
+    let written = write_whole_at(path, ".output-", |path| {
+        let failed = |source| WriteError { path: path.to_owned(), action: "written", source };
+        fs::write(path, bytes).map_err(failed)
+    });
+    written.map_err(|WriteError { path, source, .. }| CliError::Output { path, source })
+}

@@ -1,0 +1,82 @@
+//! `lashloop replay`: the samples of a record, sent to another firmware.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::verdict::Exit;
+use lashloop_record::diff::{Agreement, RecordFiles, Tolerance};
+
+use super::error::{CliError, system};
+use super::options::plants;
+use super::output::outln;
+use super::supervision::start_supervisor;
+use lashloop::Bench;
+use lashloop::replay::{DriveEnd, RecordedParameters, Recording, ReplayError, replay};
+
+/// Send the samples of a record to another firmware and compare the torques bit by bit
+///
+/// There is no plant: the device receives the encoder counts and references of the record, with its parameters, and missed
+/// steps stay missed. A torque that differs is a difference of the code. Exit code 0 for equal torques, 1 for different
+/// ones, 2 for a record or firmware that can't be compared.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Folder of the record, of a run in HIL mode
+    #[arg(value_name = "DIR")]
+    record: PathBuf,
+
+    /// Drive with the other firmware, see `lashloop run --help`
+    #[arg(long, value_name = "DEVICE")]
+    device: DeviceChoice,
+
+    /// Largest difference of a torque, in N m or in percent of the largest recorded torque [default: equal bits]
+    #[arg(long, value_name = "VALUE")]
+    tolerance: Option<Tolerance>,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let files = RecordFiles::read(&self.record)?;
+        let missing = |what| ReplayError::Missing {
+            record: files.name.clone(),
+            what,
+            remedy: "it is of an older format: run its scenario again with this version",
+        };
+        let parameters = files.manifest.as_ref().and_then(RecordedParameters::of);
+        let parameters = parameters.ok_or_else(|| missing("parameters in force"))?;
+        let recording = Recording::new(&files)?;
+        let scenario = Scenario::from_file_with(&self.record.join("scenario.toml"), &[], &plants(bench))?;
+        let supervisor = start_supervisor()?;
+        let mut device = Device::open(&self.device, scenario.link.baud, &supervisor)?;
+        if !self.json {
+            outln!(
+                "record      {}: {} samples, {} parameters",
+                files.name,
+                recording.steps.len(),
+                parameters.len()
+            );
+            outln!("recorded    {}", files.device().unwrap_or("-"));
+            outln!("replayed    {}", device.description());
+        }
+        let signals = supervisor.guard_signals();
+        let result = replay(&recording, &parameters, &scenario.link, self.tolerance, &mut device, || {
+            supervisor.interrupted()
+        })?;
+        drop(signals);
+        if self.json {
+            outln!("{}", result.to_json().map_err(system("write the result as JSON"))?);
+        } else {
+            outln!("{result}");
+        }
+        Ok(match (&result.end, result.agreement()) {
+            (Some(DriveEnd::Interrupted), _) => Exit::Invalid,
+            (_, Agreement::Bits | Agreement::Tolerance) => Exit::Pass,
+            (_, Agreement::Different) => Exit::Fail,
+        })
+    }
+}

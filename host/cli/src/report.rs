@@ -1,0 +1,76 @@
+//! `lashloop report`: records as a page for a browser.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop_bench::verdict::Exit;
+use lashloop_record::diff::{RecordFiles, settings};
+use lashloop_record::file_names::{COMPARISON_FILE, REPORT_FILE};
+use lashloop_report::page;
+
+use super::campaign_report;
+use super::error::CliError;
+use super::output::{outln, write_file};
+use lashloop::Bench;
+
+/// Make a page of a record: verdict, margins, linked plots, timing, faults; of several records a comparison
+///
+/// The page is one HTML file that loads nothing from a network. The record of an interrupted run is shown up to its last whole
+/// row. Several records share the axes, and the first is what the others are compared with. The folder of a merged campaign gives
+/// the page of the campaign.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Folders of records, or one folder of a merged campaign
+    #[arg(required = true, value_name = "DIR")]
+    records: Vec<PathBuf>,
+
+    /// File for the page [default: report.html in the folder, for several records comparison.html in the first folder]
+    #[arg(long, value_name = "FILE.html")]
+    out: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let text = match &self.records[..] {
+            [folder] if campaign_report::is_campaign(folder) => campaign_report::page_of(folder, bench)?,
+            [folder] => page::run(&read(folder)?),
+            folders => comparison(folders)?,
+        };
+        let file = if self.records.len() == 1 { REPORT_FILE } else { COMPARISON_FILE };
+        let path = self.out.unwrap_or_else(|| self.records[0].join(file));
+        save(&path, &text).map(|()| Exit::Pass)
+    }
+}
+
+fn comparison(folders: &[PathBuf]) -> Result<String, CliError> {
+    let records = folders.iter().map(|folder| RecordFiles::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let settings = settings(&records);
+    let named = folders.iter().zip(records);
+    let run =
+        |(folder, files): (&PathBuf, RecordFiles)| page::Run::new(name_among(folders, folder), files.record);
+    let runs = named.map(run).collect::<Result<Vec<_>, _>>()?;
+    Ok(page::comparison(&runs, &settings))
+}
+
+/// The last part of a path; the whole path where two of them share it.
+pub(super) fn name_among(paths: &[PathBuf], path: &Path) -> String {
+    let is_alone = paths.iter().filter(|other| other.file_name() == path.file_name()).count() == 1;
+    let name = path.file_name().filter(|_| is_alone).unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Writes the page of a record into its folder.
+pub(super) fn write(folder: &Path) -> Result<(), CliError> {
+    save(&folder.join(REPORT_FILE), &page::run(&read(folder)?))
+}
+
+fn read(folder: &Path) -> Result<page::Run, CliError> {
+    let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
+    Ok(page::Run::read(name, folder)?)
+}
+
+fn save(path: &Path, text: &str) -> Result<(), CliError> {
+    write_file(path, text)?;
+    outln!("page: {}", path.display());
+    Ok(())
+}

@@ -1,0 +1,19 @@
+//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, the live page, plot.
+
+mod capture;
+mod decode;
+mod diff;
+mod dissector;
+mod doctor;
+mod export;
+mod link_budget;
+mod live;
+mod plot;
+mod progress;
+mod report;
+mod rerun;
+mod support;
+
+/// The messages that protocol version 1 is pinned by.
+#[path = "../../../../protocol/tests/wire/examples.rs"]
+mod examples;

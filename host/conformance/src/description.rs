@@ -1,0 +1,201 @@
+//! Laws, signals and choices, as the drive describes them.
+
+use std::collections::HashSet;
+use std::fmt::Display;
+
+use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
+use lashloop_protocol::limits::{MAX_LAWS, MAX_SIGNALS};
+use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal};
+use lashloop_protocol::{DriveMessage, HostMessage};
+
+use lashloop_session::{Description, LawMask, Parameter};
+
+use super::assertion::{Failure, RuleResult, broken, equal, expect};
+use super::burst::{Exchange, result};
+use super::check::{Check, check};
+use super::client::{CONTROLLER, Client};
+use super::range::neighbour;
+use super::words::Words;
+
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+const STATES: [State; 5] = [Boot, Idle, Armed, Running, Faulted];
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R10.1 R10.6", "the drive has 1 to 16 laws and at most 32 signals", |client| {
+            let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
+            expect((1..=MAX_LAWS).contains(&usize::from(laws)), "1 to 16 laws", laws)?;
+            expect(usize::from(signals) <= MAX_SIGNALS, "at most 32 signals", signals)
+        }),
+        check("R9.8 R10.1 R10.6 R10.8", "the drive describes all that it announces", |client| {
+            let got = client.defects.join("; ");
+            expect(
+                client.defects.is_empty(),
+                "possible counts and choices, and a description of each index",
+                got,
+            )
+        }),
+        check("R10.1 R10.6 R10.8", "names of laws, signals and choices are unique and not empty", |client| {
+            let it = &client.description;
+            unique("law", it.laws.iter().map(|law| &law.name))?;
+            unique("signal", it.signals.iter().map(|signal| &signal.signal.name))?;
+            it.parameters.iter().try_for_each(|parameter| {
+                unique(&format!("choice of {}", parameter.name), parameter.choices.iter().map(|it| &it.name))
+            })
+        }),
+        check("R9.10 R10.7", "every parameter and every signal belongs to a law", |client| {
+            // The mask of a description has the bits of the drive's laws only.
+            let belongs =
+                |name: &str, mask: LawMask| expect(mask.0 != 0, format!("{name} in one of the laws"), mask.0);
+            let it = &client.description;
+            it.parameters.iter().try_for_each(|parameter| belongs(&parameter.name, parameter.laws))?;
+            it.signals.iter().try_for_each(|signal| belongs(&signal.signal.name, signal.laws))
+        }),
+        check("R10.3", "controller has the names of the laws as choices", controller),
+        check("R10.8", "a parameter with choices is a U32 of at most 255", |client| {
+            let with_choices = client.description.parameters.iter().filter(|it| !it.choices.is_empty());
+            with_choices.into_iter().try_for_each(|it| {
+                equal(&format!("{}: type", it.name), ParameterType::U32, it.default.ty())?;
+                let last = matches!(it.max, ParameterValue::U32(0..=255));
+                expect(last, format!("{}: max of at most 255", it.name), it.max)
+            })
+        }),
+        check("R4.5 R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
+            client.has_time_to_describe()?;
+            let (again, _) = Description::read_with_defects(&mut client.line, &client.identity)?;
+            let same = again == client.description;
+            expect(same, "the description read first", if same { "it" } else { "another one" })
+        }),
+        check(
+            "R4.1 R6.2 R9.8 R10.9",
+            "the drive describes itself alike in every state and in any order",
+            in_every_state,
+        ),
+        check("R10.9", "no setting changes a description", with_other_settings),
+        check(
+            "R4.1 R4.7 R6.2 R10.10",
+            "an unknown law, signal or choice is answered with UnknownIndex in every state",
+            |client| STATES.into_iter().try_for_each(|state| unknown_in(client, state)),
+        ),
+    ]
+}
+
+fn unique<'a, T: AsRef<str> + Display + 'a>(what: &str, names: impl Iterator<Item = &'a T>) -> RuleResult {
+    let mut seen = HashSet::new();
+    for name in names {
+        let is_new = !name.as_ref().is_empty() && seen.insert(name.as_ref().to_owned());
+        expect(is_new, format!("a {what} with a name that no other has"), name.as_ref())?;
+    }
+    Ok(())
+}
+
+/// A drive with one law may omit the parameter.
+fn controller(client: &mut Client) -> RuleResult {
+    let laws: Vec<_> = client.description.laws.iter().map(|law| law.name.clone()).collect();
+    if laws.len() == 1 && !client.description.parameters.iter().any(|it| it.name == CONTROLLER) {
+        return Ok(());
+    }
+    let it = client.parameter(CONTROLLER)?;
+    expect(!it.live, "controller without LIVE", it.live)?;
+    let range = (ParameterValue::U32(0), ParameterValue::U32((laws.len() as u32).saturating_sub(1)));
+    equal("min and max of controller", range, (it.min, it.max))?;
+    let choices: Vec<_> = it.choices.iter().map(|choice| choice.name.clone()).collect();
+    equal("choices of controller", laws, choices)
+}
+
+/// A request for each description.
+fn requests(client: &Client) -> Vec<HostMessage> {
+    let identity = &client.identity;
+    let laws = (0..identity.law_count).map(|index| DescribeLaw { index }.into());
+    let signals = (0..identity.signal_count).map(|index| DescribeSignal { index }.into());
+    let parameters = (0..identity.parameter_count).map(|index| DescribeParameter { index }.into());
+    let choices = client.description.parameters.iter().flat_map(|it| {
+        it.choices
+            .iter()
+            .map(|choice| DescribeChoice { parameter: it.index, choice: choice.value as u8 }.into())
+    });
+    laws.chain(signals).chain(parameters).chain(choices).collect()
+}
+
+/// Each description with its request, which must have the same index.
+fn described(client: &mut Client) -> Result<Vec<Exchange>, Failure> {
+    let requests = requests(client);
+    let answers = client.answers(&requests)?;
+    for (request, answer) in requests.iter().zip(&answers) {
+        let fits = match (request, answer) {
+            (HostMessage::DescribeLaw(it), DriveMessage::LawDescription(got)) => it.index == got.index,
+            (HostMessage::DescribeSignal(it), DriveMessage::SignalDescription(got)) => it.index == got.index,
+            (HostMessage::DescribeParameter(it), DriveMessage::ParameterDescription(got)) => {
+                it.index == got.index
+            }
+            (HostMessage::DescribeChoice(it), DriveMessage::ChoiceDescription(got)) => {
+                (it.parameter, it.choice) == (got.parameter, got.choice)
+            }
+            _ => false,
+        };
+        if !fits {
+            return Err(broken(
+                format!("the description for {}", super::burst::described(request)),
+                answer.words(),
+            ));
+        }
+    }
+    Ok(requests.into_iter().zip(answers).collect())
+}
+
+fn in_every_state(client: &mut Client) -> RuleResult {
+    let before = described(client)?;
+    let mut reversed = before.clone();
+    reversed.reverse();
+    // The first reading is that of `Boot`.
+    let count = client.repetitions(STATES.len() - 1);
+    for (place, state) in STATES.into_iter().enumerate().skip(STATES.len() - count) {
+        client.reset()?;
+        client.enter(state)?;
+        let order = if place % 2 == 0 { &reversed } else { &before };
+        client.exchange(&format!("in {state:?}"), order)?;
+    }
+    Ok(())
+}
+
+fn with_other_settings(client: &mut Client) -> RuleResult {
+    let before = described(client)?;
+    client.idle()?;
+    let parameters: Vec<Parameter> = client.description.parameters.clone();
+    for it in &parameters {
+        client.put(&it.name, neighbour(it))?;
+    }
+    client.exchange("after every parameter was set", &before)?;
+    client.handshake(client.session ^ 1)?;
+    client.exchange("in another session", &before)
+}
+
+fn unknown_in(client: &mut Client, state: State) -> RuleResult {
+    client.reset()?;
+    client.enter(state)?;
+    let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
+    let mut exchanges: Vec<Exchange> = Vec::new();
+    for index in [laws, u8::MAX] {
+        exchanges.push(result(DescribeLaw { index }, Outcome::UnknownIndex, state));
+    }
+    for index in [signals, u8::MAX] {
+        exchanges.push(result(DescribeSignal { index }, Outcome::UnknownIndex, state));
+    }
+    let mut unknown = vec![(client.identity.parameter_count, 0), (u8::MAX, 0), (u8::MAX, u8::MAX)];
+    for it in &client.description.parameters {
+        match (it.min, it.max) {
+            (ParameterValue::U32(min), ParameterValue::U32(max)) if !it.choices.is_empty() => {
+                let outside = [min.checked_sub(1), max.checked_add(1), (max < 255).then_some(255)];
+                let outside = outside.into_iter().flatten().filter_map(|choice| u8::try_from(choice).ok());
+                unknown.extend(outside.map(|choice| (it.index, choice)));
+            }
+            _ => unknown.push((it.index, 0)),
+        }
+    }
+    let choices = unknown.into_iter().map(|(parameter, choice)| {
+        result(DescribeChoice { parameter, choice }, Outcome::UnknownIndex, state)
+    });
+    exchanges.extend(choices);
+    client.exchange(&format!("in {state:?}"), &exchanges)
+}

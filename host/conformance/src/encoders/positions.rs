@@ -1,0 +1,189 @@
+//! Positions: first readings of either sign, and any number of wraparounds.
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::TorqueFlags;
+use lashloop_protocol::message::Stop;
+
+use super::encoder::{Encoder, placed};
+use super::setup::Setup;
+
+use crate::assertion::{Failure, RuleResult, expect, skip};
+use crate::check::{Check, check};
+use crate::client::Client;
+use crate::reactions::accepted;
+
+/// Half the range of a reading, in counts.
+const HALF: i64 = 1 << 23;
+/// Most samples of one path. Such a run lasts a second on a slow line.
+const LONGEST_PATH: i64 = 300;
+/// Periods of rest after a motion.
+const REST: u16 = 20;
+/// Why a position reached in two ways shows nothing.
+const WITH_MEMORY: &str = "not run: the torque of the law in force depends on the way to a position";
+/// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
+const SAME_TORQUE: f32 = 0.05;
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R7.7 R7.8 R10.5", "an encoder continues through its wraparound", |client| {
+            let (top, bottom) = (i64::from(EncoderCounts::MAX.get()), i64::from(EncoderCounts::MIN.get()));
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
+                alike(client, encoder, &[(0, top), (1, top + 1)], &[(0, top - 1), (1, top)])?;
+                alike(client, encoder, &[(0, bottom), (1, bottom - 1)], &[(0, bottom + 1), (1, bottom)])
+            })
+        }),
+        check(
+            "R7.8 R10.5",
+            "an encoder may travel more than half its range from its first reading",
+            |client| each_way(client, -HALF / 2, HALF / 2),
+        ),
+        check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
+            each_way(client, HALF / 2, 3 * HALF)?;
+            // The bound of a position in 26 bits, or in 32 bits with six of a fraction.
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
+                let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, 4 * HALF + more));
+                alike(client, encoder, &further?, &earlier?)
+            })
+        }),
+        check("R7.7 R7.8", "a run that starts at a position goes on as one that has moved there", |client| {
+            Encoder::BOTH.into_iter().try_for_each(|encoder| started_or_moved(client, encoder))
+        }),
+        check("R7.7 R7.14 R7.17", "the first sample of a run has no predecessor", |client| {
+            let setup = Setup::coarse(client)?;
+            for encoder in Encoder::BOTH {
+                // The torques of first samples after a reset, and then one after the other.
+                let places = [HALF / 2, -HALF, HALF - 1, -1, 1];
+                let fresh = places.map(|counts| {
+                    client.reset()?;
+                    setup.start(client)?;
+                    accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())
+                });
+                for (counts, fresh) in places.into_iter().zip(fresh) {
+                    let wanted_nm = fresh?.torque_nm;
+                    client.command(Stop {})?;
+                    client.arm()?;
+                    client.start()?;
+                    let first = accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())?;
+                    let expected = format!("{} at {counts} counts: {wanted_nm} N m", encoder.name);
+                    expect(first.torque_nm.to_bits() == wanted_nm.to_bits(), expected, first.torque_nm)?;
+                    accepted(client, placed(encoder, 1, counts), TorqueFlags::empty())?;
+                }
+            }
+            Ok(())
+        }),
+    ]
+}
+
+/// Travels with each encoder from `start` to the counts around `end`, and the same with the opposite sign.
+fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
+    Encoder::BOTH.into_iter().try_for_each(|encoder| {
+        [1, -1].into_iter().try_for_each(|sign| {
+            // The same path but for its end.
+            let further = path(client, sign, start, end + 1)?;
+            let mut earlier = further.clone();
+            if let Some((_, counts)) = earlier.last_mut() {
+                *counts -= 2 * sign;
+            }
+            alike(client, encoder, &further, &earlier)
+        })
+    })
+}
+
+/// A position reached in two ways from zero, and one at which the run started. Of a law with memory the torque depends on the
+/// way: then the torques of the two ways differ, or the torque changes at rest.
+fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
+    let end = HALF / 2;
+    let direct = held(path(client, 1, 0, end)?);
+    let mut detour = path(client, 1, 0, end + end / 2)?;
+    let arrived = detour.last().map_or(0, |it| it.0);
+    let back = path(client, 1, end + end / 2, end)?;
+    detour
+        .extend(back.into_iter().skip(1).map(|(sequence, counts)| (arrived.wrapping_add(sequence), counts)));
+    let [earlier_nm, moved_nm] = at_the_end(client, encoder, &direct)?;
+    let detoured_nm = at_the_end(client, encoder, &held(detour))?[1];
+    if [earlier_nm, detoured_nm].iter().any(|torque_nm| torque_nm.to_bits() != moved_nm.to_bits()) {
+        return skip(WITH_MEMORY);
+    }
+    [1, -1].into_iter().try_for_each(|sign| {
+        let moved: Vec<_> = direct.iter().map(|(sequence, counts)| (*sequence, sign * counts)).collect();
+        // As many samples, for a law with a soft start.
+        let started: Vec<_> = moved.iter().map(|(sequence, _)| (*sequence, sign * end)).collect();
+        let wanted_nm = if sign == 1 { moved_nm } else { at_the_end(client, encoder, &moved)?[1] };
+        near(client, encoder, (&started, sign * end), (wanted_nm, sign * end))
+    })
+}
+
+/// A path from `start` up to `end` in the gaps of the drive, with both counts times `sign`.
+fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i64)>, Failure> {
+    let setup = Setup::fast(client)?;
+    let gap = setup.longest_gap();
+    // Half the speed limit of the slower encoder.
+    let allowed_counts = setup.scales.map(|it| it.counts_per_period() * f64::from(gap));
+    let stride = ((0.5 * allowed_counts[0].min(allowed_counts[1])) as i64).clamp(1, HALF / 2);
+    let strides = ((end - start).abs() + stride - 1) / stride;
+    let stride = stride * (end - start).signum();
+    if strides > LONGEST_PATH {
+        return skip("not run: with the highest speed limits of this drive the path takes too many samples");
+    }
+    let at = |step| if step == strides { end } else { start + step * stride };
+    let sequence = |step: i64| (step as u16).wrapping_mul(gap);
+    Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
+}
+
+/// A path, and rest at its end until the velocities of the motion have decayed.
+fn held(mut path: Vec<(u16, i64)>) -> Vec<(u16, i64)> {
+    if let Some(&(sequence, counts)) = path.last() {
+        path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
+    }
+    path
+}
+
+/// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence
+/// and counts.
+///
+/// The control law is unknown, and so is its torque. So far from the reference, a law with position feedback requests a
+/// large torque, on which one count has no effect. A position wrong by the whole range lies on the other side of zero and
+/// reverses the torque.
+fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
+    let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
+    let wanted_nm = at_the_end(client, encoder, earlier)?[1];
+    near(client, encoder, (path, last(path)), (wanted_nm, last(earlier)))
+}
+
+/// Requires nearly this torque, as at these counts, at the end of a path.
+fn near(
+    client: &mut Client,
+    encoder: Encoder,
+    (path, counts): (&[(u16, i64)], i64),
+    (wanted_nm, wanted_counts): (f32, i64),
+) -> RuleResult {
+    let came_nm = at_the_end(client, encoder, path)?[1];
+    let is_near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
+    let expected = format!(
+        "with the {} at {counts} counts {wanted_nm} N m to {} %, the torque at {wanted_counts} counts",
+        encoder.name,
+        100.0 * SAME_TORQUE,
+    );
+    expect(is_near, expected, format!("{came_nm} N m"))
+}
+
+/// The last two torques of a path. So far from zero one period at the speed limit still passes.
+fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<[f32; 2], Failure> {
+    client.reset()?;
+    let setup = Setup::fast(client)?;
+    setup.start(client)?;
+    let mut torques_nm = [0.0; 2];
+    let mut last = None;
+    for &(sequence, counts) in path {
+        let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
+        let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
+        let torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        torques_nm = [torques_nm[1], torque_nm];
+        last = Some(sequence);
+    }
+    if let Some(&(sequence, counts)) = path.last() {
+        let further = counts + setup.scale(encoder).most_counts(1);
+        accepted(client, placed(encoder, sequence.wrapping_add(1), further), TorqueFlags::empty())?;
+    }
+    Ok(torques_nm)
+}

@@ -1,0 +1,123 @@
+//! From the end of a check to its status, and the end of the whole run.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use lashloop_session::SessionError;
+
+use super::assertion::{Failure, RuleResult};
+use super::check::Check;
+use super::client::{Client, REQUEST_LIMIT, TimeUp};
+use super::result::{CheckResult, CheckStatus};
+
+/// Time for all checks of any drive. A drive that answers at once takes a fraction of it.
+const RUN_LIMIT: Duration = Duration::from_secs(30);
+/// Time for one check.
+const CHECK_LIMIT: Duration = Duration::from_secs(5);
+/// Consecutive checks without a good frame after which the drive is lost.
+const MOST_SILENT_CHECKS: u32 = 3;
+/// Attempts of a check that a drive or a bench that stands still may spoil.
+pub(super) const ATTEMPTS: u32 = 3;
+
+/// What earlier checks mean for the next one.
+pub(super) struct Judge {
+    /// When the time for all checks ends.
+    ends_at: Instant,
+    /// Preparations that failed, each with the name of the check that reports it.
+    failed_preparations: HashMap<String, String>,
+    /// Consecutive checks without a good frame.
+    silent_checks: u32,
+    /// Whether the present check was made, in time.
+    is_made: bool,
+    /// Good frames before the present check.
+    messages_before: u32,
+}
+
+impl Judge {
+    pub(super) fn new(client: &Client) -> Self {
+        Self {
+            ends_at: client.opened_at + RUN_LIMIT,
+            failed_preparations: HashMap::new(),
+            silent_checks: 0,
+            is_made: false,
+            messages_before: 0,
+        }
+    }
+
+    /// Makes a check on a drive that was just reset.
+    pub(super) fn result(
+        &mut self,
+        client: &mut Client,
+        group: &'static str,
+        check: Check,
+    ) -> Result<CheckResult, SessionError> {
+        let Check { rules, name, run } = check;
+        let started = client.line.now();
+        self.messages_before = client.line.decoder.counters().messages;
+        let mut ended = self.attempt(client, &run);
+        for _ in 1..ATTEMPTS {
+            // A late answer is none that is missing.
+            if !matches!(client.is_answered_late(), Ok(true)) {
+                break;
+            }
+            ended = self.attempt(client, &run);
+        }
+        let status = match ended {
+            Ok(()) => CheckStatus::Passed,
+            Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
+            Err(Failure::Preparation { what, expected, got }) => self.unprepared(&name, what, expected, got),
+            Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
+            Err(Failure::NotJudged { cause }) => CheckStatus::NotJudged { cause },
+            Err(Failure::Session(error)) => return Err(error),
+        };
+        // What ends a check early may leave answers on their way.
+        client.is_unsettled |=
+            matches!(status, CheckStatus::Failed { .. } | CheckStatus::NotJudged { .. }) && self.is_made;
+        let took = client.line.now().saturating_duration_since(started);
+        Ok(CheckResult { group, rules, name, status, note: std::mem::take(&mut client.note), took })
+    }
+
+    fn attempt(&mut self, client: &mut Client, run: &dyn Fn(&mut Client) -> RuleResult) -> RuleResult {
+        let now = client.line.now();
+        client.time_up = self.time_up(now);
+        client.slowest = Duration::ZERO;
+        self.is_made = now < self.ends_at;
+        if !self.is_made {
+            return Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() });
+        }
+        client.reset()?;
+        run(client)
+    }
+
+    /// The first check that meets a failed preparation reports it.
+    fn unprepared(&mut self, name: &str, what: String, expected: String, got: String) -> CheckStatus {
+        match self.failed_preparations.get(&what) {
+            Some(reported_by) => CheckStatus::NotJudged { cause: format!("{what}, see \"{reported_by}\"") },
+            None => {
+                let expected = format!("{what} before the check: {expected}");
+                self.failed_preparations.insert(what, name.to_owned());
+                CheckStatus::Failed { expected, got }
+            }
+        }
+    }
+
+    fn time_up(&self, started: Instant) -> TimeUp {
+        let check_ends_at = started + CHECK_LIMIT;
+        if check_ends_at < self.ends_at {
+            TimeUp { at: check_ends_at, cause: "5 s have passed in this check" }
+        } else {
+            TimeUp { at: self.ends_at, cause: "30 s have passed" }
+        }
+    }
+
+    /// # Errors
+    /// The drive has sent no good frame in the last checks.
+    pub(super) fn require_frames(&mut self, client: &Client) -> Result<(), SessionError> {
+        let is_silent = self.is_made && client.line.decoder.counters().messages == self.messages_before;
+        self.silent_checks = if is_silent { self.silent_checks + 1 } else { 0 };
+        if self.silent_checks < MOST_SILENT_CHECKS {
+            return Ok(());
+        }
+        Err(client.line.silent("the requests of three checks", REQUEST_LIMIT * MOST_SILENT_CHECKS))
+    }
+}

@@ -1,0 +1,153 @@
+//! Conformance of a drive to the protocol, checked rule by rule.
+//!
+//! | module | checks |
+//! |---|---|
+//! | `handshake` | identity, sessions, versions |
+//! | `transitions` | every request in every state |
+//! | `description` | laws, signals and choices |
+//! | `parameters` | descriptions, ranges, read-back, refusals, effects |
+//! | `samples` | torque for samples, the rules of the sequence |
+//! | `telemetry` | subscriptions and the values of signals |
+//! | `encoders` | wraparound, jumps and ambiguous positions |
+//! | `safety` | torque limit, latched faults, watchdog |
+//! | `receiver` | noise, damaged and refused frames |
+//! | `walk` | a long session through all states, with every request in each |
+//! | `aftermath` | what earlier messages and runs leave behind |
+//! | `line` | the line report |
+//! | `profile_pd` | the optional profile `pd`, by its golden trace |
+//! | `latency` | response times |
+//!
+//! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
+//! was just reset: no result depends on another check. After each request the client sends a second one with a known answer. A
+//! drive answers in order, so that answer ends the list without a timeout.
+//!
+//! The steps that lead to a rule are preparations. The first check that meets a failed preparation reports it as its own
+//! failure; the checks after it that need the same step are not judged.
+//!
+//! The checks depend on the protocol and on [`REQUIRED_PARAMETERS`], not on the control law: of the law they require only
+//! some torque for a load at rest off its reference.
+
+#![forbid(unsafe_code)]
+
+mod aftermath;
+mod answers;
+mod assertion;
+mod burst;
+mod check;
+mod client;
+mod constancy;
+mod damage;
+mod description;
+mod encoders;
+mod handshake;
+mod judge;
+pub mod junit;
+mod latency;
+mod line;
+mod parameters;
+mod profile_pd;
+mod range;
+mod reactions;
+mod receiver;
+mod repetition;
+mod result;
+mod safety;
+mod samples;
+mod sessions;
+mod states;
+mod telemetry;
+mod transitions;
+pub mod unchecked;
+mod walk;
+mod words;
+
+use lashloop_protocol::message::Identity;
+
+pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
+pub use latency::LIMIT as ANSWER_LIMIT;
+pub use result::{CheckResult, CheckStatus};
+
+use check::Check;
+use client::Client;
+use judge::Judge;
+use lashloop_link::Link;
+use lashloop_session::SessionError;
+
+/// Receives the results while the checks run.
+pub trait Reporter {
+    /// The handshake is complete.
+    fn connected(&mut self, _identity: &Identity) {}
+
+    /// A check has ended, or was omitted.
+    fn checked(&mut self, result: &CheckResult);
+
+    /// Whether to run this check.
+    fn wants(&self, _group: &str, _name: &str) -> bool {
+        true
+    }
+
+    /// Whether to end before the next check.
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// Runs all checks on a newly opened link and resets the drive at the end. `session` is the number of the first session, as for
+/// [`Session::open`](lashloop_session::Session::open).
+///
+/// # Errors
+/// The handshake times out, the drive has another protocol version, the link fails, or the drive sends no good frame in three
+/// consecutive checks. A single missing answer fails its check and is not an error.
+pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
+    let mut client = Client::open(link, session)?;
+    reporter.connected(&client.identity);
+    let mut judge = Judge::new(&client);
+    for (group, check) in all_checks() {
+        if reporter.is_interrupted() {
+            break;
+        }
+        if !reporter.wants(group, &check.name) {
+            continue;
+        }
+        reporter.checked(&judge.result(&mut client, group, check)?);
+        judge.require_frames(&client)?;
+    }
+    client.leave()
+}
+
+/// A check that the battery makes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// Group of the check, which is the name of its module.
+    pub group: &'static str,
+    /// Numbers of the rules under test, separated by spaces.
+    pub rules: &'static str,
+    /// The rule, as a sentence.
+    pub name: String,
+}
+
+/// All checks, in order. Needs no drive.
+pub fn list() -> impl Iterator<Item = Listed> {
+    all_checks().map(|(group, Check { rules, name, .. })| Listed { group, rules, name })
+}
+
+/// All checks, in order, each with the name of its group.
+fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
+    let groups = [
+        ("handshake", handshake::checks()),
+        ("transitions", transitions::checks()),
+        ("description", description::checks()),
+        ("parameters", parameters::checks()),
+        ("samples", samples::checks()),
+        ("telemetry", telemetry::checks()),
+        ("encoders", encoders::checks()),
+        ("safety", safety::checks()),
+        ("receiver", receiver::checks()),
+        ("walk", walk::checks()),
+        ("aftermath", aftermath::checks()),
+        ("line", line::checks()),
+        ("profile_pd", profile_pd::checks()),
+        ("latency", latency::checks()),
+    ];
+    groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))
+}

@@ -1,0 +1,127 @@
+//! Settings that a drive refuses: range, type, index and state. None may change a value.
+
+use lashloop_protocol::HostMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::message::{DescribeParameter, GetParameter, ParameterReport, SetParameter};
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
+
+use lashloop_session::Parameter;
+
+use super::super::assertion::RuleResult;
+use super::super::burst::{Exchange, reads, sets};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::range::{neighbour, of_other_type, outside};
+use super::values::{defaults, each};
+
+use Outcome::{Accepted, OutOfRange, UnknownIndex, WrongState, WrongType};
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R6.3 R9.3 R9.7", "a value out of range is refused and changes nothing", |client| {
+            refused(client, |it| outside(it).into_iter().map(|value| (value, OutOfRange)).collect())
+        }),
+        check("R6.3 R9.1 R9.7", "a value of the wrong type is refused and changes nothing", |client| {
+            refused(client, |it| of_other_type(it).into_iter().map(|value| (value, WrongType)).collect())
+        }),
+        check("R4.6 R6.2 R6.4", "an unknown parameter index is refused in every state", |client| {
+            [Boot, Idle, Armed, Running, Faulted].into_iter().try_for_each(|state| unknown(client, state))
+        }),
+        check("R6.4", "the state of the drive is checked before type and range of a value", |client| {
+            [Boot, Armed, Running, Faulted].into_iter().try_for_each(|state| wrong_in(client, state))
+        }),
+    ];
+    for state in [Armed, Running] {
+        let name = format!("in {state:?} a live parameter is accepted and any other refused");
+        checks.push(check("R6.2 R6.3 R9.5 R9.7 R9.8", name, move |client| settable(client, state)));
+    }
+    for state in [Boot, Faulted] {
+        let name = format!("in {state:?} nothing can be set");
+        checks.push(check("R6.2 R6.3 R9.5 R9.7 R9.8", name, move |client| settable(client, state)));
+    }
+    checks
+}
+
+/// Sets every parameter to a value other than its default, so that the value in force is neither, and requires these
+/// refusals without effect.
+fn refused(client: &mut Client, values: impl Fn(&Parameter) -> Vec<(ParameterValue, Outcome)>) -> RuleResult {
+    client.idle()?;
+    each(client, |client, it| {
+        let kept = neighbour(it);
+        let mut exchanges = vec![sets(it.index, kept, Accepted, kept, Idle)];
+        for (value, outcome) in values(it) {
+            exchanges.push(sets(it.index, value, outcome, kept, Idle));
+            exchanges.push(reads(it.index, kept, Idle));
+        }
+        client.exchange(&it.name, &exchanges)
+    })
+}
+
+fn unknown(client: &mut Client, state: State) -> RuleResult {
+    client.reset()?;
+    client.enter(state)?;
+    // 255 is the index that ends every exchange.
+    let mut indices = vec![client.identity.parameter_count, 254, u8::MAX - 1];
+    indices.retain(|index| *index >= client.identity.parameter_count && *index < u8::MAX);
+    indices.dedup();
+    for index in indices {
+        let report = ParameterReport { index, outcome: UnknownIndex, value: ParameterValue::U32(0), state };
+        let requests: [HostMessage; 4] = [
+            DescribeParameter { index }.into(),
+            GetParameter { index }.into(),
+            SetParameter { index, value: ParameterValue::U32(1) }.into(),
+            SetParameter { index, value: ParameterValue::F32(f32::NAN) }.into(),
+        ];
+        let exchanges: Vec<Exchange> = requests.into_iter().map(|it| (it, report.into())).collect();
+        client.exchange(&format!("in {state:?}"), &exchanges)?;
+    }
+    Ok(())
+}
+
+/// Values in force after [`Client::enter`], which sets some of them.
+fn present(client: &mut Client) -> Result<Vec<ParameterValue>, super::super::assertion::Failure> {
+    let mut values = defaults(client);
+    for name in [WATCHDOG_US, TORQUE_LIMIT_NM] {
+        let index = client.parameter(name)?.index;
+        values[usize::from(index)] = client.get(index)?.value;
+    }
+    Ok(values)
+}
+
+/// Wrong type and wrong range in a state that allows no setting at all.
+fn wrong_in(client: &mut Client, state: State) -> RuleResult {
+    client.reset()?;
+    client.enter(state)?;
+    let present = present(client)?;
+    let mut exchanges = Vec::new();
+    for it in client.description.parameters.iter().filter(|it| !it.live || matches!(state, Boot | Faulted)) {
+        let kept = present[usize::from(it.index)];
+        let wrong = of_other_type(it).into_iter().take(1).chain(outside(it).into_iter().take(1));
+        exchanges.extend(wrong.map(|value| sets(it.index, value, WrongState, kept, state)));
+    }
+    client.exchange(&format!("in {state:?}"), &exchanges)
+}
+
+fn settable(client: &mut Client, state: State) -> RuleResult {
+    client.enter(state)?;
+    let present = present(client)?;
+    let mut exchanges = Vec::new();
+    for it in &client.description.parameters {
+        let kept = present[usize::from(it.index)];
+        let value = neighbour(it);
+        if it.live && matches!(state, Armed | Running) {
+            exchanges.push(sets(it.index, value, Accepted, value, state));
+            exchanges.push(reads(it.index, value, state));
+            // Type before range, for live ones too.
+            let wrong_type = of_other_type(it).into_iter().map(|wrong| (wrong, WrongType));
+            let wrong = wrong_type.chain(outside(it).into_iter().map(|wrong| (wrong, OutOfRange)));
+            exchanges.extend(wrong.map(|(wrong, outcome)| sets(it.index, wrong, outcome, value, state)));
+            exchanges.push(sets(it.index, kept, Accepted, kept, state));
+        } else {
+            exchanges.push(sets(it.index, value, WrongState, kept, state));
+        }
+        exchanges.push(reads(it.index, kept, state));
+    }
+    client.exchange(&format!("in {state:?}"), &exchanges)
+}

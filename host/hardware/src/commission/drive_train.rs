@@ -1,0 +1,144 @@
+//! A drive train behind a device: a motion is a run.
+
+use std::io;
+use std::path::Path;
+
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::Device;
+use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
+use lashloop_bench::scenario::{Scenario, ScenarioErrors};
+use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use lashloop_identify::{Direction, Instruments};
+use lashloop_record::columns::Columns;
+use lashloop_record::writer::RecordWriter;
+
+use super::scenario;
+use lashloop::execution::{ExecutionError, OpenDrive};
+use crate::identify::record::{NoSeries, counts, directions_in_force, series};
+
+
+/// Why a motion could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    #[error(transparent)]
+    Scenario(#[from] ScenarioErrors),
+    #[error(transparent)]
+    Run(#[from] ExecutionError),
+    /// The drive or the user ended it.
+    #[error("{motion}: {end}; the torque is off")]
+    Ended { motion: String, end: String },
+    #[error("{motion}: {source}")]
+    Series { motion: String, source: NoSeries },
+    #[error("{}: can't be written: {source}", path.display())]
+    Table { path: std::path::PathBuf, source: io::Error },
+    #[error(transparent)]
+    Record(RecordError),
+}
+
+/// A record that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct RecordError(#[from] pub Box<dyn std::error::Error + Send + Sync>);
+
+/// A run that was made, for its record.
+pub struct RunRecord<'a> {
+    pub name: &'a str,
+    pub scenario: &'a Scenario,
+    pub device: &'a Device,
+    pub outcome: &'a Outcome,
+    /// What has recorded it.
+    pub writer: Option<RecordWriter>,
+    /// Why the guard ended it early.
+    pub halt: Option<Halt>,
+}
+
+/// Motions as runs on a device.
+pub struct OnDevice<'a> {
+    /// The scenario of a motion with these settings.
+    pub scenario: &'a dyn Fn(&[String]) -> Result<Scenario, ScenarioErrors>,
+    /// The drive of all motions: in bench mode each motion starts where the one before has ended, and the encoders count on
+    /// from the power-up.
+    pub drive: OpenDrive<'a>,
+    pub instruments: Instruments,
+    pub period_s: f64,
+    /// Folder for the tables of torques.
+    pub folder: &'a Path,
+    /// What records the run of this name; `None` for no record.
+    pub writer: &'a dyn Fn(&str) -> Result<Option<RecordWriter>, RecordError>,
+    /// Called with every run, before the next motion.
+    pub record: &'a mut dyn FnMut(RunRecord<'_>) -> Result<(), RecordError>,
+}
+
+impl DriveTrain for OnDevice<'_> {
+    type Error = MotionError;
+
+    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Option<Made>, MotionError> {
+        let table = self.folder.join(format!("{}.csv", motion.name));
+        let settings = scenario::motion(&motion.torque_nm, self.period_s, &table)
+            .map_err(|source| MotionError::Table { path: table.clone(), source })?;
+        let mut scenario = (self.scenario)(&settings)?;
+        scenario::explain_twist(&mut scenario, motion.twist_rad);
+        let instruments = self.instruments;
+        let (columns, in_force) = (Columns::default(), [Direction::Forward; 2]);
+        let mut watch = Watch { columns, guard, halt: None, in_force, instruments };
+        let name = &motion.name;
+        let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut watch];
+        observers.extend(writer.as_mut().map(|it| it as &mut dyn StepObserver));
+        let outcome = self.drive.run(&mut scenario, observers)?;
+        let Watch { columns, guard, halt, in_force, .. } = watch;
+        if halt == Some(Halt::NotAtRest) {
+            let discarded = writer.map_or(Ok(()), RecordWriter::discard);
+            return discarded
+                .map(|()| None)
+                .map_err(|error| MotionError::Record(RecordError(Box::new(error))));
+        }
+        let device = self.drive.device();
+        let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt };
+        (self.record)(record).map_err(MotionError::Record)?;
+        if halt.is_none() && outcome.end != End::Complete {
+            return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
+        }
+        let series = series(&columns, &self.instruments, in_force)
+            .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
+        Ok(Some(Made { series, halt, peaks: guard.peaks() }))
+    }
+}
+
+/// Keeps the columns and gives every step to the guard. A halt ends the run within two periods: a step is complete only
+/// with the telemetry after it.
+struct Watch {
+    columns: Columns,
+    guard: Guard,
+    halt: Option<Halt>,
+    /// Directions that the drive has in force. Guard and series count as the encoders are wired.
+    in_force: [Direction; 2],
+    instruments: Instruments,
+}
+
+impl StepObserver for Watch {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        let session = &start.device.session;
+        self.in_force = directions_in_force(start.scenario.run.mode, |name| {
+            let parameter = session.parameter(name)?;
+            parameter.choice(session.in_force(parameter)).map(str::to_owned)
+        });
+        self.columns.begin(start)
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.columns.step(step)?;
+        if self.halt.is_none() {
+            let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
+            let [motor, load] = self.in_force.map(Direction::sign);
+            let motor = motor * counts(step.row.motor_position_rad, motor_counts_per_rev);
+            let load = load * counts(step.row.load_position_rad, load_counts_per_rev);
+            self.halt = self.guard.check(motor, load);
+        }
+        Ok(())
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.halt.is_some()
+    }
+}

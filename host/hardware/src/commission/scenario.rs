@@ -1,0 +1,76 @@
+//! The scenario of a motion.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use lashloop_bench::scenario::bench::TORQUE_PER_RAD_NM;
+use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
+use lashloop_bench::scenario::{Origin, RunMode, Scenario};
+use lashloop_identify::excitation::Limits;
+
+use lashloop::rig::file::pin_default;
+
+/// The law that commands the reference as a torque.
+pub const LAW: &str = "open-loop";
+
+/// Settings that make a commissioning of any scenario: the law, the limits as parameters of the drive, no expectation. The
+/// mode, the encoders, the period and the plant of the scenario stay.
+#[must_use]
+pub fn settings(limits: &Limits) -> Vec<String> {
+    let Limits { torque_nm, motor_speed_rad_s, load_speed_rad_s, .. } = limits;
+    let parameters = [
+        ("torque_limit_nm", torque_nm),
+        ("motor_speed_limit_rad_s", motor_speed_rad_s),
+        ("load_speed_limit_rad_s", load_speed_rad_s),
+    ];
+    let parameters = parameters.map(|(name, value)| format!("{name} = {value:?}")).join(", ");
+    vec![
+        format!("controller.name={LAW}"),
+        format!("controller.parameters={{ {parameters}, {TORQUE_PER_RAD_NM} = 1.0 }}"),
+        // A motion begins where the one before has ended.
+        "bench.start=anywhere".to_owned(),
+        r#"meant=["start", "mismatch", "large-angle"]"#.to_owned(),
+        "expect=[]".to_owned(),
+        "fault=[]".to_owned(),
+    ]
+}
+
+/// Parameter of a drive in bench mode: the change of the twist beyond which an encoder counts as lost.
+const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
+
+/// Raises the limit of the twist to what a motion explains.
+pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
+    let Some(explained_rad) = twist_rad.filter(|_| scenario.run.mode == RunMode::Bench) else { return };
+    let parameters = &mut scenario.bench.parameters;
+    let given = parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value);
+    let given_rad = match given {
+        Some(ParameterValue::Number(limit_rad)) => *limit_rad,
+        // It bounds the first motions, in which nothing is known but that the load hardly moves.
+        _ => pin_default(TWIST_LIMIT_RAD),
+    };
+    parameters.retain(|it| it.name != TWIST_LIMIT_RAD);
+    parameters.push(ParameterSetting {
+        name: TWIST_LIMIT_RAD.to_owned(),
+        value: ParameterValue::Number(given_rad.max(explained_rad)),
+        origin: Origin::Option("lashloop commission".into()),
+    });
+}
+
+/// Settings of one motion: its duration, and its torques as the table of the reference.
+pub(super) fn motion(torque_nm: &[f64], period_s: f64, table: &Path) -> io::Result<Vec<String>> {
+    let mut text = "time_s,position_rad\n".to_owned();
+    let mut before = None;
+    for (at, torque_nm) in torque_nm.iter().enumerate() {
+        if before != Some(torque_nm) {
+            text += &format!("{:?},{torque_nm:?}\n", at as f64 * period_s);
+        }
+        before = Some(torque_nm);
+    }
+    fs::write(table, text)?;
+    let file = table.display().to_string();
+    Ok(vec![
+        format!("run.duration_s={:?}", torque_nm.len() as f64 * period_s),
+        format!("reference={{ profile = \"table\", interpolation = \"hold\", file = {file:?} }}"),
+    ])
+}

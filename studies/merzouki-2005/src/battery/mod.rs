@@ -1,0 +1,13 @@
+//! The shipped campaign of the control laws on plants outside their tuning, `campaigns/battery.toml`, and its tables.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`campaign`](mod@campaign) | the campaign and its scenarios, in the program |
+//! | [`plants`] | one of its random plants |
+//! | [`criterion`] | names, units and digits of its tables |
+//! | [`text`] | the tables |
+
+pub mod campaign;
+pub mod criterion;
+pub mod plants;
+pub mod text;

@@ -1,0 +1,70 @@
+//! The demo: the paper's four runs as a table and a figure.
+
+use lashloop_bench::scenario::{Scenario, ScenarioErrors};
+use lashloop_bench::verdict::Verdict;
+use lashloop_plant::metrics::{Measured, Metric};
+use lashloop_report::Figure;
+
+use crate::figures::Run;
+use crate::figures::demo::{DemoRuns, PlantRuns, before_after};
+use crate::scenarios::SCENARIOS;
+
+/// The paper's result for each scenario, and the metric to compare it with.
+const PAPER: [(&str, Metric, &str); 4] = [
+    ("smooth plant, before: into 0.05 rad", Metric::SettleTime, "about 13 s"),
+    ("smooth plant, after: into 0.05 rad", Metric::SettleTime, "about 5.2 s"),
+    ("with friction, before: static error", Metric::StaticError, "0.32 rad"),
+    ("with friction, after: static error", Metric::StaticError, "eliminated"),
+];
+
+/// File of the figure in its folder.
+pub const FIGURE_FILE: &str = "demo.svg";
+
+/// The scenarios, in the order of the rows.
+///
+/// # Errors
+/// None, unless a scenario is wrong.
+pub fn scenarios() -> Result<Vec<Scenario>, ScenarioErrors> {
+    SCENARIOS.into_iter().map(|(name, text)| Scenario::from_str(name, text, &[])).collect()
+}
+
+/// The head of the table.
+#[must_use]
+pub fn head() -> String {
+    format!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here")
+}
+
+/// The row of a scenario, by its number.
+///
+/// # Panics
+/// There is no such scenario.
+#[must_use]
+pub fn row(number: usize, run: &Run, verdict: Verdict) -> String {
+    let (what, metric, paper) = PAPER[number];
+    let here = here(run.metrics.get(metric), metric);
+    format!("{what:<38} {paper:>12} {here:>12}  {verdict}")
+}
+
+fn here(measured: Measured, metric: Metric) -> String {
+    match measured.value() {
+        Some(value) if metric == Metric::SettleTime => format!("{value:.2} s"),
+        Some(value) => format!("{value:.4} rad"),
+        None => measured.to_string(),
+    }
+}
+
+/// The figure of the runs of all scenarios.
+///
+/// # Panics
+/// A run is missing.
+#[must_use]
+pub fn figure(runs: Vec<Run>, scenarios: &[Scenario]) -> Figure {
+    let [smooth_before, smooth_after, friction_before, friction_after] =
+        <[Run; 4]>::try_from(runs).expect("one run for each scenario");
+    let dead_zone_rad = scenarios.last().and_then(|it| it.plant.number("dead_zone_rad"));
+    before_after(&DemoRuns {
+        smooth: PlantRuns { before: smooth_before, after: smooth_after },
+        friction: PlantRuns { before: friction_before, after: friction_after },
+        dead_zone_rad: dead_zone_rad.unwrap_or(f64::NAN),
+    })
+}
