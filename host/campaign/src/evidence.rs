@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 use lashloop_bench::atomic_file::remove_if_present;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError};
-use lashloop_bench::scenario::Scenario;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, RunError};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_record::file_names::LATEST;
@@ -56,8 +55,6 @@ pub struct Repeater<'a> {
     pub campaign: &'a Campaign,
     pub device: &'a DeviceChoice,
     pub supervisor: &'a Supervisor,
-    /// The summary of a run.
-    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
 }
 
 /// The rows whose records are kept: the worst ones, then failures in the order of cases, each once; none without a run.
@@ -193,7 +190,7 @@ impl Repeater<'_> {
         if outcome.end == End::Interrupted {
             return Ok(None);
         }
-        writer.finish(&(self.summary)(&scenario, &device.device, &outcome))?;
+        writer.finish(&Summary::new(&scenario, &device.device, &outcome))?;
         Ok(Some(result_of(self.campaign, case, outcome)))
     }
 }

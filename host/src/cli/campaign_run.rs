@@ -32,7 +32,6 @@ use super::campaign_report;
 use super::error::{CliError, system};
 use super::output::{error_line, prepare_folder, write_file};
 use super::progress::Progress;
-use super::run;
 use crate::journal::program_sha256;
 
 pub(super) const REPORT_JSON: &str = "report.json";
@@ -197,7 +196,7 @@ impl Execution<'_> {
 
     pub(super) fn repeater(&self) -> Repeater<'_> {
         let Self { campaign, device, supervisor, .. } = self;
-        Repeater { campaign, device, supervisor, summary: run::summary }
+        Repeater { campaign, device, supervisor }
     }
 
     /// What the rows come from, by a session with the drive.

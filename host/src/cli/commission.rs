@@ -14,6 +14,7 @@ use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
+use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
@@ -21,7 +22,6 @@ use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, TakenRig, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
-use super::run::summary;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
@@ -100,6 +100,10 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long, requires = "out")]
     force: bool,
+
+    /// Write each record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -156,7 +160,7 @@ impl Arguments {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
             let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
-            Ok(Some(RecordWriter::new(claimed, source.clone())))
+            Ok(Some(RecordWriter::new(claimed, source.clone()).with_csv(self.csv)))
         };
         let mut record = |mut run: RunRecord<'_>| {
             let end = match run.halt {
@@ -331,8 +335,7 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
     let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
-    let summary = summary(run.scenario, run.device, run.outcome);
-    writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
+    writer.finish(&Summary::new(run.scenario, run.device, run.outcome)).map_err(|error| RecordError(Box::new(error)))
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {

@@ -6,12 +6,12 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_record::columns::Columns;
+use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::Run;
 
 use super::error::CliError;
 use super::progress::Progress;
-use super::run::summary;
 
 struct History<'a> {
     trace: Columns,
@@ -54,7 +54,7 @@ pub(super) fn run_for_figure(
     observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
     let outcome = run::run(scenario, device, clock, &mut Observers(observers))?;
     if let Some(record) = record {
-        record.finish(&summary(scenario, &device.device, &outcome))?;
+        record.finish(&Summary::new(scenario, &device.device, &outcome))?;
     }
     Ok((Run { trace: history.trace, metrics: outcome.metrics }, outcome.judgement.verdict))
 }

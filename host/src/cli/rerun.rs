@@ -11,8 +11,8 @@ use lashloop_bench::run::End;
 use lashloop_bench::session::printable;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
+use lashloop_record::manifest::{Manifest, RealTimeOptions};
 use lashloop_record::trace::TIME;
-use serde_json::Value;
 
 use super::diff::{JudgedOptions, print};
 use super::error::{CliError, system};
@@ -52,6 +52,10 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out")]
     force: bool,
 
+    /// Write the new record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
+
     #[command(flatten)]
     judged: JudgedOptions,
 }
@@ -68,12 +72,7 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let record = RecordFiles::read(&self.record)?;
         let unusable = |problem: String| CliError::Rerun { record: self.record.clone(), problem };
-        let manifest = record.manifest.as_ref().filter(|_| record.scenario.is_some()).ok_or_else(|| {
-            unusable(
-                "the record has no scenario: it is of an older format; run its scenario file again"
-                    .to_owned(),
-            )
-        })?;
+        let manifest = &record.record.manifest;
         let part_s = part_s(&record);
         let whole = DiffOptions::default();
         let options = DiffOptions {
@@ -88,7 +87,7 @@ impl Arguments {
         let out = path::absolute(out).map_err(system("find the working directory"))?;
         let words = self.words(manifest, &out).map_err(unusable)?;
         // The device of the record names its files from there.
-        if let (None, Some(folder)) = (&self.device, manifest["working_directory"].as_str())
+        if let (None, Some(folder)) = (&self.device, &manifest.working_directory)
             && Path::new(folder).is_dir()
         {
             env::set_current_dir(folder).map_err(system("change to the working directory of the run"))?;
@@ -111,44 +110,41 @@ impl Arguments {
     }
 
     /// The words of `lashloop run` that repeat the run.
-    fn words(&self, manifest: &Value, out: &Path) -> Result<Vec<OsString>, String> {
-        let text = |key: &str| {
-            let value = manifest[key].as_str();
-            value.map(OsString::from).ok_or_else(|| format!("record.json has no {key}"))
-        };
+    fn words(&self, manifest: &Manifest, out: &Path) -> Result<Vec<OsString>, String> {
         let absolute = |path: &Path| path::absolute(path).map_err(|error| error.to_string());
         let mut words = vec![absolute(&self.record.join("scenario.toml"))?.into()];
         match (&self.rig, &self.device) {
             (Some(rig), _) => words.extend(["--rig".into(), absolute(rig)?.into()]),
             (None, Some(device)) => words.extend(["--device".into(), device.to_string().into()]),
-            (None, None) => match manifest["rig"].as_str() {
+            (None, None) => match &manifest.rig {
                 Some(rig) => {
                     return Err(format!(
                         "the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"
                     ));
                 }
                 None => {
-                    let device = text("device")?;
+                    let device = &manifest.device;
                     // A record may come from others, and reading it is not to start what it names.
-                    if let Some(named) = device.to_str().filter(|it| it.starts_with("exec:")) {
-                        let named = printable(named);
+                    if device.starts_with("exec:") {
+                        let named = printable(device);
                         return Err(format!(
                             "the drive was a program, which a record does not start: give --device '{named}', whose path \
                              begins in the present folder"
                         ));
                     }
-                    words.extend(["--device".into(), device]);
+                    words.extend(["--device".into(), device.into()]);
                 }
             },
         }
-        words.extend(["--out".into(), out.into(), "--clock".into(), text("clock")?]);
-        let real_time = &manifest["real_time"];
-        for (option, key) in [("--spin-us", "spin_us"), ("--fifo", "fifo"), ("--core", "core")] {
-            let value = real_time[key].as_u64();
-            words.extend(value.into_iter().flat_map(|value| [option.into(), value.to_string().into()]));
+        words.extend(["--out".into(), out.into()]);
+        if let Some(RealTimeOptions { spin_us, fifo, lock_memory, core }) = &manifest.real_time {
+            words.extend(["--clock".into(), "real-time".into(), "--spin-us".into(), spin_us.to_string().into()]);
+            words.extend(fifo.iter().flat_map(|fifo| ["--fifo".into(), fifo.to_string().into()]));
+            words.extend(core.iter().flat_map(|core| ["--core".into(), core.to_string().into()]));
+            words.extend(lock_memory.then(|| "--lock-memory".into()));
         }
-        words.extend((real_time["lock_memory"] == true).then(|| "--lock-memory".into()));
         words.extend(self.force.then(|| "--force".into()));
+        words.extend(self.csv.then(|| "--csv".into()));
         for setting in &self.set {
             words.extend(["--set".into(), setting.into()]);
         }
@@ -159,9 +155,9 @@ impl Arguments {
 /// The time that a record has, if it has a part of its run only, as the records of a soak do. The end of an interrupted run
 /// is none that the user has chosen.
 fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
-    let times_s = files.record.trace.columns.get(TIME)?;
+    let times_s = files.record.trace.get(TIME)?;
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
-    let steps = files.summary.as_ref().and_then(|summary| summary["steps"].as_u64());
+    let steps = files.record.summary.as_ref().map(|summary| summary.steps);
     let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
     is_part.then_some(first_s..=last_s)
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::capture::link::Captured;
 use lashloop_bench::capture::{self, Capture, WhenFull};
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::link::Link;
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver, check_bench_mode};
@@ -15,7 +15,7 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
-use lashloop_record::summary::{Summary, Telemetry, Versions};
+use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
@@ -152,7 +152,7 @@ impl Arguments {
         }
         let mut monitor = watch.monitor(&scenario);
         let mut interrupt = Interrupt { supervisor: &supervisor, capture };
-        let mut record = folder.map(|folder| RecordWriter::new(folder, source));
+        let mut record = folder.map(|folder| RecordWriter::new(folder, source).with_csv(self.record.csv));
         let signals = supervisor.guard_signals();
         let mut observers: Vec<&mut dyn StepObserver> = vec![&mut monitor, &mut interrupt];
         observers.extend(gate.as_mut().map(|it| it as &mut dyn StepObserver));
@@ -173,7 +173,7 @@ impl Arguments {
             // A gate that can't be computed is no gate that was passed.
             Err(error) => outcome.judgement.close_gate(error.to_string()),
         }
-        let summary = summary(&scenario, &device.device, &outcome);
+        let summary = Summary::new(&scenario, &device.device, &outcome);
         // Closes the link, and with it the sending end of the capture.
         drop(device);
         let captured = capture.map_or(Ok(0), |capture| capture.finish());
@@ -211,34 +211,6 @@ impl Gate {
         };
         let intervals = file.map(input).transpose()?.unwrap_or_default();
         Ok(Self { recorded: RecordedMotion::default(), intervals })
-    }
-}
-
-pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
-    Summary {
-        verdict: outcome.judgement.verdict,
-        scenario: scenario.name.clone(),
-        device: device.description(),
-        evidence: device.evidence(),
-        mode: scenario.run.mode,
-        controller: scenario.controller.name.clone(),
-        telemetry: Telemetry::from(device.session.subscription()),
-        seed: scenario.run.seed,
-        end: outcome.end.to_string(),
-        broken_rule: outcome.end.broken_rule(),
-        breaches: outcome.judgement.breaches.clone(),
-        gate: outcome.judgement.gate.clone(),
-        reasons: outcome.reasons(),
-        steps: outcome.steps,
-        simulated_s: outcome.simulated_s,
-        wall_s: outcome.wall_s,
-        metrics: outcome.metrics.clone(),
-        expectations: outcome.judgement.expectations.clone(),
-        link: outcome.link,
-        timing: outcome.timing.clone(),
-        faults: outcome.faults.clone(),
-        torque_sha256: outcome.torque_sha256.clone(),
-        versions: Versions::of(&device.session.identity),
     }
 }
 

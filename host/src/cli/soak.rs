@@ -28,7 +28,6 @@ use lashloop_record::window::WindowRecorder;
 use super::error::{CliError, system};
 use super::options::{DeviceOption, ScenarioOptions};
 use super::output::{self, outln};
-use super::run::summary;
 use super::supervision::start_supervisor;
 
 /// Repeat a scenario while faults of line and encoders rise
@@ -179,7 +178,7 @@ fn one_run(
     };
     watcher.process = device.device.connection.host.process().map(|process| process.id);
     let result = run::run(scenario, &mut device, Clock::Lockstep, watcher);
-    let summary = result.as_ref().ok().map(|outcome| summary(scenario, &device.device, outcome));
+    let summary = result.as_ref().ok().map(|outcome| Summary::new(scenario, &device.device, outcome));
     (result, summary)
 }
 

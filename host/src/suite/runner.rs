@@ -4,7 +4,6 @@ use std::path::Path;
 use std::{fs, io};
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::Device;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
@@ -29,8 +28,6 @@ pub struct Runner<'a> {
     pub records: Option<&'a Path>,
     /// Keep the records of passes too.
     pub keeps_passes: bool,
-    /// The summary of a run.
-    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
     /// Settings of every scenario, for the record.
     pub overrides: &'a [Override],
     pub plants: &'a Plants,
@@ -100,7 +97,7 @@ impl Runner<'_> {
         observers.extend(record.as_mut().map(|record| record as &mut dyn StepObserver));
         let outcome = run::run(scenario, &mut device, self.clock, &mut Observers(observers))?;
         if let Some(record) = record {
-            record.finish(&(self.summary)(scenario, &device.device, &outcome))?;
+            record.finish(&Summary::new(scenario, &device.device, &outcome))?;
         }
         Ok((device.device.description(), outcome))
     }

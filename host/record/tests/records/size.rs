@@ -72,7 +72,7 @@ fn record_of_25_s_at_1_khz_takes_less_than_5_mb() {
 
 #[test]
 fn record_of_10_minutes_at_1_khz_takes_less_than_120_mb() {
-    // A sixth of it: the bytes of a step don't grow, but for a digit of the time in two columns of trace.csv.
+    // A sixth of it: the bytes of a step don't grow.
     let bytes = 6 * bytes("smooth-after.toml", 100);
     assert!(bytes < 120_000_000, "{bytes} bytes");
 }

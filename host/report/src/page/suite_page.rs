@@ -67,9 +67,11 @@ impl SuiteRow {
 
 fn tone(label: &str) -> Tone {
     match label {
+        "PASS" => Tone::Pass,
         MARGINAL => Tone::Marginal,
-        "ERROR" => Tone::Fail,
-        verdict => Tone::of_verdict(verdict),
+        "FAIL" | "ERROR" => Tone::Fail,
+        "INVALID" => Tone::Invalid,
+        _ => Tone::None,
     }
 }
 
