@@ -23,7 +23,7 @@ pub mod folder;
 pub mod host_facts;
 pub mod manifest;
 #[cfg(feature = "parquet")]
-mod parquet;
+pub mod parquet;
 mod read_error;
 pub mod reader;
 pub mod resolved;
