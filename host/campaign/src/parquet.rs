@@ -112,6 +112,7 @@ fn push(table: &Table<'_>, group: &mut [Column], row: &Row<'_>) {
     for (place, column) in group.iter_mut().enumerate() {
         match column {
             Column::Whole(values) => values.push(row.text(place).parse().unwrap_or_default()),
+            Column::Real(values) => values.push(row.text(place).parse().unwrap_or(f64::NAN)),
             Column::Optional(values) => values.push(row.text(place).parse().ok()),
             Column::Text(values) if place == last => values.push(reasons(table, row)),
             Column::Text(values) => values.push(row.text(place).to_owned()),

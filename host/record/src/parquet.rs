@@ -115,8 +115,8 @@ pub(crate) fn write(columns: &Columns, path: &Path) -> Result<(), WriteError> {
 }
 
 fn encode(columns: &Columns, file: File) -> io::Result<()> {
-    let signals = columns.signals();
-    let names = signals.iter().map(|signal| (&*signal.name, &Column::Real(Vec::new())));
+    let (signals, real) = (columns.signals(), Column::Real(Vec::new()));
+    let names = signals.iter().map(|signal| (&*signal.name, &real));
     let units = signals.iter().map(|it| (format!("unit of {}", it.name), it.unit.to_string()));
     let values = signals.iter().map(|it| Column::Real(columns.get(&it.name).unwrap_or_default().to_vec()));
     let mut writer = ParquetWriter::new(file, names, units)?;
