@@ -100,6 +100,10 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long, requires = "out")]
     force: bool,
+
+    /// Write each record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -146,7 +150,7 @@ impl Arguments {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
             let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
-            Ok(Some(RecordWriter::new(claimed, source.clone())))
+            Ok(Some(RecordWriter::new(claimed, source.clone()).with_csv(self.csv)))
         };
         let mut record = |mut run: RunRecord<'_>| {
             let end = match run.halt {

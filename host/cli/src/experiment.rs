@@ -62,6 +62,10 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long)]
     force: bool,
+
+    /// Write each record as CSV too, see `lashloop run --help`
+    #[arg(long)]
+    csv: bool,
 }
 
 impl Arguments {
@@ -112,7 +116,7 @@ impl Arguments {
             working_directory: working_directory(),
             ..RunSource::default()
         };
-        Ok(RecordWriter::new(folder, source))
+        Ok(RecordWriter::new(folder, source).with_csv(self.csv))
     }
 
     /// Prints the table and writes the figures, the page that shows them last.

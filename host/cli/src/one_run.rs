@@ -29,6 +29,8 @@ pub(super) struct OneRun<'a> {
     pub(super) clock: Clock,
     /// Folder of its record.
     pub(super) folder: Option<RecordFolder>,
+    /// Whether the record has its tables as CSV at once.
+    pub(super) csv: bool,
     pub(super) watch: &'a WatchOptions,
     /// File for every frame on the line.
     pub(super) capture: Option<&'a Path>,
@@ -38,7 +40,7 @@ pub(super) struct OneRun<'a> {
 impl OneRun<'_> {
     /// Makes the run and writes its record. Prints warnings only.
     pub(super) fn make(self) -> Result<Finished, CliError> {
-        let Self { scenario, source, place, clock, folder, watch, capture, mut gate } = self;
+        let Self { scenario, source, place, clock, folder, csv, watch, capture, mut gate } = self;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
             ClockName::RealTime => WhenFull::Fail,
@@ -52,7 +54,7 @@ impl OneRun<'_> {
         let listen = recorder.map(|recorder| -> Middleware<'_> {
             Box::new(|link| Box::new(Captured::new(link, recorder)) as Box<dyn Link>)
         });
-        let record = folder.map(|folder| RecordWriter::new(folder, source));
+        let record = folder.map(|folder| RecordWriter::new(folder, source).with_csv(csv));
         let mut execution = Execution::new(scenario, place).clock(clock).middleware(listen).record(record);
         execution = execution.watch(&mut monitor).watch(&mut capture);
         if let Some(gate) = &mut gate {

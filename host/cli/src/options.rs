@@ -103,13 +103,17 @@ impl RigOption {
 /// Where a record goes.
 #[derive(Args)]
 pub(super) struct RecordOptions {
-    /// Folder for the record: manifest, resolved scenario, samples, tables and summary; `latest` next to it points to it
+    /// Folder for the record: manifest, resolved scenario, samples and summary; `latest` next to it points to it
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 
     /// Replace the record that the folder of --out holds
     #[arg(long, requires = "out")]
     pub(super) force: bool,
+
+    /// Write the record as CSV too, as `lashloop export --to csv` does: export.csv in the folder of --out
+    #[arg(long, requires = "out")]
+    pub(super) csv: bool,
 }
 
 impl RecordOptions {

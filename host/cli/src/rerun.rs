@@ -58,6 +58,10 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out")]
     force: bool,
 
+    /// Write the new record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
+
     #[command(flatten)]
     judged: JudgedOptions,
 }
@@ -65,9 +69,6 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let record = RecordFiles::read(&self.record)?;
-        let manifest = record.manifest.clone().filter(|_| record.scenario.is_some()).ok_or_else(|| {
-            self.unusable("the record has no scenario: run its scenario file again".to_owned())
-        })?;
         let part_s = part_s(&record);
         let whole = DiffOptions::default();
         let options = DiffOptions {
@@ -80,7 +81,7 @@ impl Arguments {
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let out = self.out.clone().unwrap_or_else(|| temporary.path().join("rerun"));
         let out = path::absolute(out).map_err(system("find the working directory"))?;
-        let finished = self.make(&manifest, &out, bench)?;
+        let finished = self.make(&record.record.manifest, &out, bench)?;
         if let Some(part_s) = part_s.as_ref().filter(|_| !self.judged.json) {
             outln!(
                 "The record has a part of its run, from {:.6} s to {:.6} s, and this part is compared; metrics and verdict are not \
@@ -131,9 +132,8 @@ impl Arguments {
         place.check(&scenario)?;
         let folder = RecordFolder::claim(out, self.force)?;
         folder.check_source(Path::new(&scenario.name))?;
-        let watch = WatchOptions::default();
-        OneRun { scenario, source, place, clock, folder: Some(folder), watch: &watch, capture: None, gate: None }
-            .make()
+        let (folder, csv, watch) = (Some(folder), self.csv, &WatchOptions::default());
+        OneRun { scenario, source, place, clock, folder, csv, watch, capture: None, gate: None }.make()
     }
 
     /// The device of the options, else that of the record.
@@ -161,9 +161,9 @@ impl Arguments {
 /// The time that a record has, if it has a part of its run only, as the records of a soak do. The end of an interrupted run
 /// is none that the user has chosen.
 fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
-    let times_s = files.record.trace.columns.get(TIME)?;
+    let times_s = files.record.trace.get(TIME)?;
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
-    let steps = files.summary.as_ref().and_then(|summary| summary["steps"].as_u64());
+    let steps = files.record.summary.as_ref().map(|summary| summary.steps);
     let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
     is_part.then_some(first_s..=last_s)
 }

@@ -107,7 +107,7 @@ impl Arguments {
         let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let folder = self.record.claim(Path::new(&scenario.name))?;
         self.junit.as_deref().map_or(Ok(()), run_junit::begin)?;
-        let (watch, capture) = (&self.watch, self.capture.as_deref());
-        OneRun { scenario, source, place, clock, folder, watch, capture, gate }.make()
+        let (watch, csv, capture) = (&self.watch, self.record.csv, self.capture.as_deref());
+        OneRun { scenario, source, place, clock, folder, csv, watch, capture, gate }.make()
     }
 }

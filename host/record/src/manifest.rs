@@ -1,5 +1,6 @@
 //! `record.json`: what was run. Written before the first step.
 
+use std::fmt;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ use crate::host_facts::HostFacts;
 use crate::source::{Overridden, RunSource};
 use crate::summary::Versions;
 
-/// The format of the folder. Format 1 has no manifest.
+/// The format of the folder.
 pub const FORMAT: u32 = 2;
 
 /// What was run, with what, and where.
@@ -33,7 +34,7 @@ pub struct Manifest {
     pub format: u32,
     /// The words of the command line.
     pub command_line: Vec<String>,
-    /// Folder that relative paths of the command line start from; absent in older records.
+    /// Folder that relative paths of the command line start from; null if it was removed.
     pub working_directory: Option<String>,
     /// Start of the run in UTC, as RFC 3339.
     pub started: String,
@@ -153,8 +154,29 @@ impl From<ParameterValue> for Number {
     }
 }
 
+impl From<Number> for f64 {
+    fn from(number: Number) -> Self {
+        match number {
+            Number::Whole(value) => value.into(),
+            Number::Real(value) => value.into(),
+        }
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole(value) => value.fmt(out),
+            // A real number shows that it is one.
+            Self::Real(value) => write!(out, "{value:?}"),
+        }
+    }
+}
+
 impl ParameterInForce {
-    fn new(parameter: &Parameter, value: ParameterValue, of_law: bool) -> Self {
+    /// A parameter with its value at the start.
+    #[must_use]
+    pub fn new(parameter: &Parameter, value: ParameterValue, of_law: bool) -> Self {
         Self {
             name: parameter.name.clone(),
             value: value.into(),
@@ -272,5 +294,22 @@ impl Manifest {
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         let text = self.to_json();
         write_whole(&folder.join(MANIFEST_FILE), ".record-", |file| file.write_all(text.as_bytes()))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A record of format 2.
+    const PINNED: &str = include_str!("manifest/pinned.json");
+
+    pub(crate) fn manifest() -> Manifest {
+        serde_json::from_str(PINNED).expect("a manifest")
+    }
+
+    #[test]
+    fn a_manifest_reads_back_as_it_was_written() {
+        assert_eq!(manifest().to_json(), PINNED);
     }
 }
