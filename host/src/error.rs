@@ -2,10 +2,10 @@
 
 use std::io;
 
-use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_session::names::UnknownName;
 
+use crate::execution::ExecutionError;
 use crate::outcome::NoMetric;
 
 /// Why a call of the library has no result.
@@ -22,9 +22,9 @@ pub enum Error {
         /// What is missing, or all forms there are.
         problem: String,
     },
-    /// Drive, link or plant failed, or the scenario does not fit the drive.
+    /// Drive, link or plant failed, or the scenario doesn't fit the drive.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(#[from] ExecutionError),
     /// The outcome has no value for a metric.
     #[error(transparent)]
     Metric(#[from] NoMetric),

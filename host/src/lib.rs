@@ -65,6 +65,7 @@
 
 mod bench;
 mod error;
+pub mod execution;
 mod outcome;
 pub mod replay;
 pub mod rig;
@@ -72,6 +73,7 @@ mod run;
 
 pub use bench::Bench;
 pub use error::Error;
+pub use execution::Execution;
 #[doc(inline)]
 pub use lashloop_bench::device::DeviceChoice as Device;
 pub use lashloop_bench::scenario::Scenario;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import subprocess
@@ -12,10 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
 from playwright.sync_api import sync_playwright
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from playwright.sync_api import Browser, Page
 
@@ -65,9 +68,28 @@ class Record:
         return manifest
 
     def rows(self) -> list[dict[str, float]]:
-        """The steps of the trace, rounded; an empty field is no number."""
-        with (self.folder / "trace.csv").open() as file:
+        """The steps of the run; an empty field is no number."""
+        with (self.folder / "export.csv").open() as file:
             return [{name: float(text or "nan") for name, text in row.items()} for row in csv.DictReader(file)]
+
+
+def rewrite_samples(folder: Path, schema: Callable[[str], str] = str, *, has_messages: bool = True) -> None:
+    """Writes the samples of a record anew, with other schemas or without messages."""
+    samples = io.BytesIO((folder / "run.mcap").read_bytes())
+    with (folder / "run.mcap").open("wb") as file:
+        writer, channels = Writer(file), dict[int, int]()
+        writer.start()
+        for old, channel, message in make_reader(samples).iter_messages():
+            if channel.id not in channels:
+                assert old
+                schema_id = writer.register_schema(old.name, old.encoding, schema(old.data.decode()).encode())
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, schema_id, channel.metadata
+                )
+            if has_messages:
+                place = (message.publish_time, message.sequence)
+                writer.add_message(channels[channel.id], message.log_time, message.data, *place)
+        writer.finish()
 
 
 @dataclass
@@ -135,7 +157,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
 
 
 def run(folder: Path, scenario: Path, *arguments: str) -> Record:
-    lashloop("run", scenario, "--device", "inproc", "--out", folder, "--report", *arguments)
+    lashloop("run", scenario, "--device", "inproc", "--out", folder, "--report", "--csv", *arguments)
     return Record(folder)
 
 

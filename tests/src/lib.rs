@@ -14,7 +14,7 @@
 //! | [`rom_loader`] | the boot loader of the chip on a pseudo-terminal |
 //! | [`scripted`] | runs in real time on a clock that moves only when waited for |
 //! | [`relay`] | a line that can drop, damage, duplicate and disconnect |
-//! | [`records`] | `summary.json` and `trace.csv` |
+//! | [`records`] | the files of a run: its summary and its samples |
 //! | [`processes`] | other processes: children, processor time, signals |
 //! | [`loss`] | what must hold after the loss of a drive during a run |
 //! | [`paper`] | the paper's four runs and their pinned torque digests |

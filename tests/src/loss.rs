@@ -32,8 +32,7 @@ pub fn run_in_progress(device: &str) -> (Running, Records) {
 pub fn scenario_in_progress(scenario: &str, device: &str) -> (Running, Records) {
     let records = Records::new();
     std::fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
-    std::fs::write(records.path("trace.csv"), "time_s,reference_rad,\n")
-        .expect("the trace of an earlier run");
+    std::fs::write(records.path("record.json"), "{\"format\": 2}\n").expect("the manifest of an earlier run");
     let arguments = ["run", scenario, "--device", device, "--out", &records.out(), "--force"];
     let bench =
         Running::start(arguments.into_iter().chain(["--set", ENDLESS, "--set", "record.flush_rows=10"]));

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use lashloop_record::file_names::{SUMMARY_FILE, TRACE_FILE};
-use lashloop_record::reader::{Record, Table};
+use lashloop_record::columns::Columns;
+use lashloop_record::file_names::SUMMARY_FILE;
+use lashloop_record::reader::Record;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -19,7 +20,7 @@ pub struct Records {
 
 /// A table of numbers, column by column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trace(Table);
+pub struct Trace(Columns);
 
 impl Default for Records {
     fn default() -> Self {
@@ -90,7 +91,7 @@ impl Records {
     /// There is no record, or a whole run has left a torn one.
     #[must_use]
     pub fn trace(&self) -> Trace {
-        self.whole(self.record().trace)
+        Trace(self.whole().trace)
     }
 
     /// Timing of each step.
@@ -99,20 +100,18 @@ impl Records {
     /// As [`trace`](Self::trace).
     #[must_use]
     pub fn timing(&self) -> Trace {
-        self.whole(self.record().timing.expect("timing"))
+        Trace(self.whole().timing)
     }
 
-    fn whole(&self, table: Table) -> Trace {
-        let has_ended = self.path(SUMMARY_FILE).exists();
-        assert!(!(has_ended && table.is_torn), "the samples of a whole run are torn");
-        Trace(table)
+    fn whole(&self) -> Record {
+        let (record, has_ended) = (self.record(), self.path(SUMMARY_FILE).exists());
+        assert!(!(has_ended && record.is_torn), "the samples of a whole run are torn");
+        record
     }
 
-    /// Waits until a run has written rows. The samples follow in the same step.
+    /// Waits until a run has written steps.
     pub fn wait_for_rows(&self) {
-        wait::until("rows in trace.csv", || {
-            fs::metadata(self.path(TRACE_FILE)).is_ok_and(|file| file.len() > 4096).then_some(())
-        });
+        wait::until("steps in run.mcap", || Record::read(&self.path("")).is_ok().then_some(()));
     }
 }
 
@@ -120,7 +119,7 @@ impl Trace {
     /// Names of the columns.
     #[must_use]
     pub fn header(&self) -> Vec<&str> {
-        self.0.columns.signals().iter().map(|signal| &*signal.name).collect()
+        self.0.signals().iter().map(|signal| &*signal.name).collect()
     }
 
     /// Number of rows.
@@ -141,6 +140,6 @@ impl Trace {
     /// No column has this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Vec<f64> {
-        self.0.column(name).unwrap_or_else(|error| panic!("{error}")).to_vec()
+        self.0.get(name).unwrap_or_else(|| panic!("no column {name}")).to_vec()
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 import sys
 from typing import TYPE_CHECKING
@@ -11,8 +12,9 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from mcap.writer import Writer
 
-from lashloop import PlotError, Record, RecordError, UnknownColumnError, Verdict
+from lashloop import PlotError, Record, RecordError, Table, UnknownColumnError, Verdict
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,22 +28,49 @@ COLUMNS = [
     ("torque_nm", "N m"),
     ("contact", ""),
     ("drive.load_error_rad", "rad"),
+    ("telemetry_time_s", "s"),
+    ("motor_counts", "counts"),
+    ("load_counts", "counts"),
+    ("sent_reference_rad", "rad"),
 ]
-ROWS = """0.0,0.0,1.5707963267948966,-20.5,1.0,NaN
-0.001,0.0,1.5,-20.0,1.0,1.5707963267948966
-0.002,0.0,-1e-7,3.25,-1.0,1.5
+STEP = """float64 reference_rad # reference_rad [rad]
+float64 load_position_rad # load_position_rad [rad]
+float32 torque_nm # torque_nm [N m]
+uint8 sampled # sampled []
+int32 motor_counts # motor_counts [counts]
+int32 load_counts # load_counts [counts]
+float32 sent_reference_rad # sent_reference_rad [rad]
+float64 contact # contact []
+int64 send_ns # send_ns [ns]
 """
+DRIVE = "float64 load_error_rad # drive.load_error_rad [rad]\n"
+# Load position, torque, contact, time of sending.
+STEPS = [(1.5707963267948966, -20.5, 1.0, 1500), (1.5, -20.0, 1.0, -1), (-1e-7, 3.25, -1.0, 2500)]
+# Step and load error.
+TELEMETRY = [(1, 1.5707963267948966), (2, 1.5)]
 SUMMARY = {"verdict": "FAIL", "metrics": {"settle_time_s": 0.001, "lost_motion_rad": None}, "device": "native twin"}
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """The record of a run of three steps."""
-    header = ",".join(name for name, _ in COLUMNS)
-    (tmp_path / "trace.csv").write_text(f"{header}\n{ROWS}")
-    columns = [{"name": name, "unit": unit} for name, unit in COLUMNS]
-    (tmp_path / "trace.json").write_text(json.dumps({"columns": columns}))
-    (tmp_path / "timing.csv").write_text("step,send_us\n0,1.5\n1,NaN\n2,2.5\n")
+    with (tmp_path / "run.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start("ros1", "lashloop")
+
+        def channel(topic: str, schema: str) -> int:
+            schema_id = writer.register_schema(topic, "ros1msg", schema.encode())
+            return writer.register_channel(topic, "ros1", schema_id, {"period_us": "1000"})
+
+        step, drive = channel("/step", STEP), channel("/drive", DRIVE)
+        for number, (load_rad, torque_nm, contact, send_ns) in enumerate(STEPS):
+            data = struct.pack("<ddfBiifdq", 0.0, load_rad, torque_nm, 1, 0, 0, 0.0, contact, send_ns)
+            writer.add_message(step, number * 1_000_000, data, number * 1_000_000)
+        for number, error_rad in TELEMETRY:
+            time_ns = number * 1_000_000
+            writer.add_message(drive, time_ns, struct.pack("<d", error_rad), time_ns, number)
+        writer.finish()
+    (tmp_path / "record.json").write_text("{}")
     (tmp_path / "summary.json").write_text(json.dumps(SUMMARY))
     return tmp_path
 
@@ -63,17 +92,15 @@ def test_a_record_has_the_summary_the_metrics_and_the_verdict(folder: Path) -> N
     assert str(record.verdict) == "FAIL"
     assert record.metrics == {"settle_time_s": 0.001, "lost_motion_rad": None}
     assert record.summary["device"] == "native twin"
-    assert record.timing is not None
     np.testing.assert_array_equal(record.timing["send_us"], [1.5, np.nan, 2.5])
 
 
-def test_an_interrupted_run_has_no_verdict_and_no_half_row(folder: Path) -> None:
+def test_an_interrupted_run_has_no_verdict(folder: Path) -> None:
     (folder / "summary.json").unlink()
-    (folder / "timing.csv").unlink()
-    with (folder / "trace.csv").open("a") as trace:
-        trace.write("0.003,0.0,1.5,-2")
+    samples = folder / "run.mcap"
+    samples.write_bytes(samples.read_bytes()[:-20])
     record = Record.read(folder)
-    assert (record.verdict, record.metrics, record.timing, record.steps) == (None, {}, None, 3)
+    assert (record.verdict, record.metrics, record.steps) == (None, {}, 3)
 
 
 def test_an_unknown_column_names_similar_ones(folder: Path) -> None:
@@ -94,19 +121,30 @@ def test_columns_can_not_be_written_to(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (None, r"t.csv: can't be read: No such file"),
+        ("time_s,a\n", r"t.csv: has no rows"),
+        ("", r"t.csv: has no rows"),
+        ("time_s,a\n1,2\n3,x\n", r"t.csv: is not a table of numbers: .*'x'"),
+        ("time_s,a\n1,2\n3\n", r"t.csv: is not a table of numbers: "),
+        ("time_s,a\n1,2,3\n", r"t.csv: has 3 fields in a row, its header has 2"),
+    ],
+)
+def test_a_table_of_no_numbers_is_named(tmp_path: Path, text: str | None, expected: str) -> None:
+    if text is not None:
+        (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(RecordError, match=expected):
+        Table.read(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize(
     ("file", "text", "expected"),
     [
-        ("trace.csv", None, r"trace.csv: can't be read: No such file"),
-        ("trace.csv", "time_s,a\n", r"trace.csv: has no rows"),
-        ("trace.csv", "", r"trace.csv: has no rows"),
-        ("trace.csv", "time_s,a\n1,2\n3,x\n", r"trace.csv: is not a table of numbers: .*'x'"),
-        ("trace.csv", "time_s,a\n1,2\n3\n", r"trace.csv: is not a table of numbers: "),
-        ("trace.csv", "time_s,a\n1,2,3\n", r"trace.csv: has 3 fields in a row, its header has 2"),
-        ("trace.csv", "time_s,a\n1,2\n", r"trace.json: lists other columns than trace.csv"),
-        ("trace.json", None, r"trace.json: can't be read: No such file"),
-        ("trace.json", "{", r"trace.json: is not JSON"),
-        ("trace.json", "{}", r"trace.json: is not a list of columns"),
-        ("trace.json", '{"columns": [1]}', r"trace.json: is not a list of columns"),
+        ("run.mcap", None, r"run.mcap: can't be read: No such file"),
+        ("run.mcap", "no samples", r"run.mcap: "),
+        ("record.json", None, r"record.json: can't be read: No such file"),
+        ("record.json", "{", r"record.json: is not JSON"),
         ("summary.json", "PASS", r"summary.json: is not JSON"),
         ("summary.json", "[]", r"summary.json: has no verdict"),
         ("summary.json", '{"verdict": "GOOD"}', r"summary.json: has no verdict"),

@@ -48,6 +48,12 @@ impl fmt::Display for Apart {
     }
 }
 
+/// A number with six significant digits, for comparisons.
+#[must_use]
+pub fn figure(value: f64) -> String {
+    text(value, 6)
+}
+
 /// The value of six significant digits nearest to a value: of a case, of a baseline. Their rounding is far below any tolerance
 /// of ours.
 #[must_use]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::resume::ResumeError;
-use lashloop_bench::run::RunError;
+use lashloop::execution::ExecutionError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_record::folder::FolderError;
 
@@ -21,7 +21,7 @@ pub enum CampaignError {
     #[error("{place}: {source}")]
     Case { place: String, source: ScenarioErrors },
     #[error("case {case}: {source}")]
-    Run { case: u64, source: Box<RunError> },
+    Run { case: u64, source: Box<ExecutionError> },
     #[error("there is no case {case}; the campaign has cases 0 to {last}")]
     NoCase { case: u64, last: u64 },
     #[error("{}: can't be {action}: {source}", path.display())]

@@ -4,16 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
+use lashloop::execution::{Execution, ExecutionError};
 use lashloop_bench::atomic_file::remove_if_present;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError};
-use lashloop_bench::scenario::Scenario;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::End;
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::timing::ClockName;
 use lashloop_record::file_names::LATEST;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
-use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use crate::campaign::Campaign;
@@ -56,8 +54,6 @@ pub struct Repeater<'a> {
     pub campaign: &'a Campaign,
     pub device: &'a DeviceChoice,
     pub supervisor: &'a Supervisor,
-    /// The summary of a run.
-    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
 }
 
 /// The rows whose records are kept: the worst ones, then failures in the order of cases, each once; none without a run.
@@ -178,22 +174,18 @@ impl Repeater<'_> {
         stop: &Stop<'_>,
     ) -> Result<Option<CaseResult>, CampaignError> {
         let scenario = self.campaign.scenario(case)?;
-        let failed = |source: RunError| CampaignError::Run { case: case.number, source: Box::new(source) };
+        let failed = |source: ExecutionError| CampaignError::Run { case: case.number, source: Box::new(source) };
         let source = Path::new(&self.campaign.scenario_source(case).path);
         let overrides = self.campaign.overrides(case);
         folder.check_source(source)?;
-        let mut writer =
-            RecordWriter::new(folder, RunSource::new(source, &overrides, self.campaign.plants()));
-        let lockstep = ClockName::Lockstep;
-        let opened = DeviceUnderTest::open(&scenario, self.device, lockstep, self.supervisor, |link| link);
-        let mut device = opened.map_err(|error| failed(error.into()))?;
+        let writer = RecordWriter::new(folder, RunSource::new(source, &overrides, self.campaign.plants()));
         let mut stopper = stop;
-        let mut observers = Observers(vec![&mut stopper, &mut writer]);
-        let outcome = run::run(&scenario, &mut device, Clock::Lockstep, &mut observers).map_err(failed)?;
-        if outcome.end == End::Interrupted {
+        let execution = Execution::new(scenario, self.device.into()).watch(&mut stopper).record(writer);
+        let made = execution.run(self.supervisor).map_err(failed)?;
+        if made.outcome.end == End::Interrupted {
             return Ok(None);
         }
-        writer.finish(&(self.summary)(&scenario, &device.device, &outcome))?;
+        let outcome = made.finish()?.outcome;
         Ok(Some(result_of(self.campaign, case, outcome)))
     }
 }

@@ -3,16 +3,9 @@
 use std::fs::File;
 use std::io;
 use std::path::Path;
-use std::sync::Arc;
 
 use lashloop_bench::atomic_file::write_whole;
-use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::Type;
+use lashloop_record::parquet::{Column, ParquetWriter};
 
 use crate::axis::Values;
 use crate::cell::{Cell, Missing};
@@ -27,15 +20,6 @@ pub const RESULTS: &str = "results.parquet";
 /// Rows that are held at once.
 const ROW_GROUP: u64 = 50_000;
 
-/// A column of a row group.
-#[derive(Debug, Clone)]
-enum Column {
-    Whole(Vec<i64>),
-    /// `None` is null.
-    Number(Vec<Option<f64>>),
-    Text(Vec<ByteArray>),
-}
-
 /// Writes the table, with the facts of the campaign as metadata of the file.
 ///
 /// # Errors
@@ -48,7 +32,7 @@ pub fn write(table: &Table<'_>, facts: &Facts, path: &Path) -> Result<(), Campai
                 failure = Some(error);
                 io::Error::other("the table can't be read")
             }
-            Failure::Parquet(error) => io::Error::other(error),
+            Failure::Write(error) => error,
         })
     });
     match failure {
@@ -59,39 +43,20 @@ pub fn write(table: &Table<'_>, facts: &Facts, path: &Path) -> Result<(), Campai
 
 enum Failure {
     Table(CampaignError),
-    Parquet(ParquetError),
+    Write(io::Error),
 }
 
-impl From<ParquetError> for Failure {
-    fn from(error: ParquetError) -> Self {
-        Self::Parquet(error)
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
     }
 }
 
 fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> Result<(), Failure> {
     let empty = columns(table);
-    let fields = empty.iter().map(|(name, column)| {
-        let (kind, repetition) = match column {
-            Column::Whole(_) => (PhysicalType::INT64, Repetition::REQUIRED),
-            Column::Number(_) => (PhysicalType::DOUBLE, Repetition::OPTIONAL),
-            Column::Text(_) => (PhysicalType::BYTE_ARRAY, Repetition::REQUIRED),
-        };
-        let field = Type::primitive_type_builder(name, kind).with_repetition(repetition);
-        let field = match column {
-            Column::Text(_) => field.with_converted_type(ConvertedType::UTF8),
-            Column::Whole(_) | Column::Number(_) => field,
-        };
-        Ok(Arc::new(field.build()?))
-    });
-    let fields = fields.collect::<Result<_, ParquetError>>()?;
-    let schema = Arc::new(Type::group_type_builder("lashloop").with_fields(fields).build()?);
-    let metadata =
-        facts.list().into_iter().map(|(what, value)| KeyValue::new(format!("lashloop {what}"), value));
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(metadata.collect()))
-        .build();
-    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
+    let names = empty.iter().map(|(name, column)| (&**name, column));
+    let metadata = facts.list().into_iter().map(|(what, value)| (format!("lashloop {what}"), value));
+    let mut writer = ParquetWriter::new(file, names, metadata)?;
     let empty: Vec<_> = empty.into_iter().map(|(_, column)| column).collect();
     let (mut group, mut rows) = (empty.clone(), 0);
     let mut failure = None;
@@ -101,7 +66,7 @@ fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> Result<(), Failu
         if rows == ROW_GROUP {
             rows = 0;
             let full = std::mem::replace(&mut group, empty.clone());
-            write_group(&mut writer, full).map_err(|error| {
+            writer.write(full).map_err(|error| {
                 let text = error.to_string();
                 failure = Some(error);
                 text
@@ -114,10 +79,9 @@ fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> Result<(), Failu
     }
     read.map_err(Failure::Table)?;
     if rows > 0 {
-        write_group(&mut writer, group)?;
+        writer.write(group)?;
     }
-    writer.close()?;
-    Ok(())
+    Ok(writer.finish()?)
 }
 
 /// Names and types of the columns.
@@ -126,10 +90,10 @@ fn columns(table: &Table<'_>) -> Vec<(String, Column)> {
     let types = [&whole, &text, &whole, &text];
     let first = FIRST.into_iter().zip(types).map(|(name, column)| (name.to_owned(), column.clone()));
     let axes = table.columns.axes.iter().map(|name| {
-        let is_number = if is_number(table, name) { Column::Number(Vec::new()) } else { text.clone() };
+        let is_number = if is_number(table, name) { Column::Optional(Vec::new()) } else { text.clone() };
         (name.clone(), is_number)
     });
-    let numbers = table.columns.numbers.iter().map(|name| (name.clone(), Column::Number(Vec::new())));
+    let numbers = table.columns.numbers.iter().map(|name| (name.clone(), Column::Optional(Vec::new())));
     let last = LAST.into_iter().chain([MISSING]).map(|name| (name.to_owned(), text.clone()));
     first.chain(axes).chain(numbers).chain(last).collect()
 }
@@ -148,9 +112,10 @@ fn push(table: &Table<'_>, group: &mut [Column], row: &Row<'_>) {
     for (place, column) in group.iter_mut().enumerate() {
         match column {
             Column::Whole(values) => values.push(row.text(place).parse().unwrap_or_default()),
-            Column::Number(values) => values.push(row.text(place).parse().ok()),
-            Column::Text(values) if place == last => values.push(reasons(table, row).into_bytes().into()),
-            Column::Text(values) => values.push(row.text(place).as_bytes().to_vec().into()),
+            Column::Real(values) => values.push(row.text(place).parse().unwrap_or(f64::NAN)),
+            Column::Optional(values) => values.push(row.text(place).parse().ok()),
+            Column::Text(values) if place == last => values.push(reasons(table, row)),
+            Column::Text(values) => values.push(row.text(place).to_owned()),
         }
     }
 }
@@ -162,26 +127,4 @@ fn reasons(table: &Table<'_>, row: &Row<'_>) -> String {
             Cell::Missing(reason) => Some(format!("{name}={reason}")),
         });
     named.collect::<Vec<_>>().join(";")
-}
-
-fn write_group(
-    writer: &mut SerializedFileWriter<&mut File>,
-    columns: Vec<Column>,
-) -> Result<(), ParquetError> {
-    let mut group = writer.next_row_group()?;
-    for column in columns {
-        let Some(mut out) = group.next_column()? else { break };
-        match column {
-            Column::Whole(values) => out.typed::<Int64Type>().write_batch(&values, None, None)?,
-            Column::Text(values) => out.typed::<ByteArrayType>().write_batch(&values, None, None)?,
-            Column::Number(values) => {
-                let levels: Vec<_> = values.iter().map(|value| i16::from(value.is_some())).collect();
-                let present: Vec<_> = values.into_iter().flatten().collect();
-                out.typed::<DoubleType>().write_batch(&present, Some(&levels), None)?
-            }
-        };
-        out.close()?;
-    }
-    group.close()?;
-    Ok(())
 }

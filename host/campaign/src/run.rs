@@ -2,10 +2,10 @@
 
 use std::fmt;
 
+use lashloop::execution::{Execution, ExecutionError};
 use lashloop_bench::device::{DeviceChoice, DeviceError};
 use lashloop_bench::run::digest::TorqueDigest;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError};
-use lashloop_bench::timing::ClockName;
+use lashloop_bench::run::{End, Outcome, RunError};
 use lashloop_bench::verdict::Verdict;
 
 use crate::campaign::Campaign;
@@ -39,16 +39,14 @@ pub fn run_case(
         scenario => scenario?,
     };
     let attempt = || {
-        let opened =
-            DeviceUnderTest::open(&scenario, device, ClockName::Lockstep, stop.supervisor, |link| link);
         let mut watcher = stop;
-        opened
-            .map_err(RunError::from)
-            .and_then(|mut device| run::run(&scenario, &mut device, Clock::Lockstep, &mut watcher))
+        let execution = Execution::new(scenario.clone(), device.into()).watch(&mut watcher);
+        execution.run(stop.supervisor).map(|made| made.outcome)
     };
     let mut outcome = attempt();
     // The system may have ended the drive, for instance without memory.
-    if matches!(outcome, Err(RunError::Device(DeviceError::Ended { .. }))) && !stop.asked() {
+    let has_ended = matches!(outcome, Err(ExecutionError::Run(RunError::Device(DeviceError::Ended { .. }))));
+    if has_ended && !stop.asked() {
         outcome = attempt();
     }
     let result = match outcome {
@@ -65,7 +63,8 @@ pub fn run_case(
 }
 
 /// Why this case has no run, in the same words each time; `None` if others may have none either.
-fn reason(error: &RunError) -> Option<String> {
+fn reason(error: &ExecutionError) -> Option<String> {
+    let ExecutionError::Run(error) = error else { return None };
     match error {
         RunError::Scenario(_)
         | RunError::Inconsistent { .. }

@@ -10,9 +10,7 @@ use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::resume;
-use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::timing::ClockName;
 use lashloop_campaign::Campaign;
 use lashloop_campaign::engine::{Progress as Done, ShardRun};
 use lashloop_campaign::evidence::{self, Pick, Repeater};
@@ -32,7 +30,6 @@ use super::campaign_report;
 use super::error::{CliError, system};
 use super::output::{error_line, prepare_folder, write_file};
 use super::progress::Progress;
-use super::run;
 use lashloop_campaign::journal::program_sha256;
 
 pub(super) const REPORT_JSON: &str = "report.json";
@@ -197,21 +194,20 @@ impl Execution<'_> {
 
     pub(super) fn repeater(&self) -> Repeater<'_> {
         let Self { campaign, device, supervisor, .. } = self;
-        Repeater { campaign, device, supervisor, summary: run::summary }
+        Repeater { campaign, device, supervisor }
     }
 
     /// What the rows come from, by a session with the drive.
     fn program(&self) -> Result<Program, CliError> {
         let first = self.campaign.scenario(&self.campaign.case(0)?)?;
-        let lockstep = ClockName::Lockstep;
-        let opened = DeviceUnderTest::open(&first, self.device, lockstep, self.supervisor, |link| link)?;
-        let files = opened.device.evidence().files;
+        let opened = lashloop::Execution::new(first, self.device.into()).open(self.supervisor)?;
+        let files = opened.device().evidence().files;
         let hashes: Vec<_> = files.into_iter().map(|file| file.sha256.unwrap_or(file.path)).collect();
         Ok(Program {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
             sha256: program_sha256().map_err(system("read this program"))?,
             device: self.device.to_string(),
-            drive: if hashes.is_empty() { opened.device.description() } else { hashes.join(",") },
+            drive: if hashes.is_empty() { opened.device().description() } else { hashes.join(",") },
         })
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::run::{Clock, DeviceUnderTest, check_bench_mode};
+use lashloop_bench::run::{Clock, check_bench_mode};
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
@@ -14,21 +14,21 @@ use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
+use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
-use super::options::{RigOption, TakenRig, plants};
+use super::options::{RigOption, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
-use super::run::summary;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop::rig::Rig;
 use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
+use lashloop::execution::{Excess, OpenDrive, Place};
 use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
-use lashloop_hardware::rig_check::check_board;
+use lashloop::rig::{Rig, TakenRig};
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -100,6 +100,10 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long, requires = "out")]
     force: bool,
+
+    /// Write each record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -114,30 +118,20 @@ impl Arguments {
         let scenario =
             |more: &[String]| self.scenario(rig.as_ref().map(|taken| &taken.rig), &limits, more, bench);
         let template = scenario(&[])?;
-        let choice = match &rig {
-            Some(taken) => {
-                taken.check_present()?;
-                &taken.rig.port.device
-            }
-            None => &self.device,
-        };
-        if let Some(taken) = &rig {
-            taken.rig.allows(&template)?;
-        }
+        let place = Place::of(rig.as_ref(), &self.device);
+        place.check(&template)?;
         let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
         if let Some(folder) = &self.out {
             RecordFolder::check_inside(folder, self.force)?;
         }
         let supervisor = start_supervisor()?;
-        let clock = self.clock(&template, choice)?;
-        let drive = DeviceUnderTest::open(&template, choice, clock.name(), &supervisor, |link| link)?;
-        if let Some(taken) = &rig {
-            check_board(&taken.rig, &drive.device)?;
-        }
+        let clock = self.clock(&template, place.choice())?;
+        let drive = OpenDrive::open(&mut template.clone(), place, clock, &supervisor)?;
+        let drive = drive.with_excess(Excess::Guarded);
         if !template.run.mode.is_hil() {
-            check_bench_mode(&drive.device, clock.name())?;
+            check_bench_mode(drive.device(), clock.name())?;
         }
-        if !confirmed(&limits, &choice.to_string(), self.yes)? {
+        if !confirmed(&limits, &place.choice().to_string(), self.yes)? {
             outln!("not confirmed: nothing was moved");
             return Ok(Exit::Invalid);
         }
@@ -151,12 +145,12 @@ impl Arguments {
             &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
             &plants(bench),
         );
-        source.rig = rig.as_ref().map(|taken| taken.file.clone());
+        source.rig = place.rig().map(|taken| taken.file.clone());
         let writer = |name: &str| {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
             let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
-            Ok(Some(RecordWriter::new(claimed, source.clone())))
+            Ok(Some(RecordWriter::new(claimed, source.clone()).with_csv(self.csv)))
         };
         let mut record = |mut run: RunRecord<'_>| {
             let end = match run.halt {
@@ -169,16 +163,12 @@ impl Arguments {
         };
         let mut drive_train = OnDevice {
             scenario: &scenario,
-            device: choice,
-            clock,
-            supervisor: &supervisor,
+            drive,
             instruments: known,
             period_s: template.run.control_period_s(),
-            rig: rig.as_ref().map(|taken| &taken.rig),
             folder: temporary.path(),
             writer: &writer,
             record: &mut record,
-            drive: Some(drive),
         };
         let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
@@ -192,9 +182,7 @@ impl Arguments {
         );
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
-            let offers = |name: &str| {
-                drive_train.drive.as_ref().is_some_and(|it| it.device.session.parameter(name).is_some())
-            };
+            let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
             write_estimates(folder, &identified, template.run.mode, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
@@ -272,7 +260,7 @@ impl Arguments {
         Instruments { noise_counts, ..instruments(template, torque_per_duty_nm, delay_us) }
     }
 
-    /// The scenario of motions with these settings, on the line of the rig.
+    /// The scenario of motions with these settings.
     fn scenario(
         &self,
         rig: Option<&Rig>,
@@ -281,14 +269,10 @@ impl Arguments {
         bench: &Bench,
     ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
         let settings = self.overrides(limits, rig, more);
-        let mut scenario = match &self.scenario {
+        match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
-        }?;
-        if let Some(rig) = rig {
-            scenario.link.baud = rig.port.baud;
         }
-        Ok(scenario)
     }
 }
 
@@ -331,41 +315,15 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
     let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
-    let summary = summary(run.scenario, run.device, run.outcome);
+    let summary = Summary::new(run.scenario, run.device, run.outcome);
     writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {
     match error {
-        CommissioningError::Motion(MotionError::Run(error)) => CliError::Run(error),
+        CommissioningError::Motion(MotionError::Run(error)) => error.into(),
         CommissioningError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
-        CommissioningError::Motion(MotionError::Rig(error)) => CliError::RigParameter(error),
         CommissioningError::Identify(error) => CliError::Identify(error),
         other => CliError::Commission(Box::new(other)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::Parser;
-
-    use super::*;
-
-    #[derive(Parser)]
-    struct CommandLine {
-        #[command(flatten)]
-        arguments: Arguments,
-    }
-
-    #[test]
-    fn the_drive_of_a_rig_is_opened_at_the_speed_of_its_port() {
-        let rig = "title = \"t\"\ncontact = \"c\"\nboard = \"b\"\n[port]\ndevice = \"rfc2217:rack:1\"\nbaud = 115200\n\
-                   [limits]\ntorque_nm = 5.0\nload_travel_rad = 4.0\n";
-        let rig = Rig::from_str("rig.toml", rig).unwrap_or_else(|errors| panic!("{errors}"));
-        let CommandLine { arguments } = CommandLine::parse_from(["commission"]);
-        let limits =
-            Limits { torque_nm: 5.0, motor_speed_rad_s: 90.0, load_speed_rad_s: 9.0, load_travel_rad: 4.0 };
-        let scenario = arguments.scenario(Some(&rig), &limits, &[], &Bench::new()).expect("a scenario");
-        assert_eq!(scenario.link.baud, 115_200);
     }
 }

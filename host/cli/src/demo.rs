@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop::Bench;
-use lashloop_bench::device::Device;
+use lashloop::execution::OpenDrive;
 use lashloop_bench::run::Clock;
 use lashloop_bench::verdict::{Exit, Verdict};
 use merzouki_2005::demo;
@@ -31,15 +31,15 @@ impl Arguments {
         prepare_folder(&self.out, &[])?;
         let scenarios = demo::scenarios()?;
         let supervisor = start_supervisor()?;
-        let device = Device::open(&self.drive.device, &scenarios[0].link, &supervisor)?;
-        outln!("{}", device.description());
+        let mut first = scenarios[0].clone();
+        let mut drive =
+            OpenDrive::open(&mut first, (&self.drive.device).into(), Clock::Lockstep, &supervisor)?;
+        outln!("{}", drive.device().description());
         outln!("{}", demo::head());
-        let mut device = device.into();
         let mut worst = Verdict::Pass;
         let mut runs = Vec::new();
         for scenario in &scenarios {
-            let (run, verdict) =
-                run_for_figure(scenario, 0.0, &mut device, Clock::Lockstep, &supervisor, None)?;
+            let (run, verdict) = run_for_figure(&mut drive, scenario.clone(), 0.0, &supervisor, None)?;
             outln!("{}", demo::row(runs.len(), &run, verdict));
             runs.push(run);
             worst = worst.max(verdict);

@@ -82,9 +82,9 @@ impl Arguments {
         if let Some(path) = &self.html {
             let settings = settings(&records);
             let folders = [self.first, self.second];
-            let [a, b] =
+            let runs =
                 records.map(|files| page::Run::new(name_among(&folders, &files.record.folder), files.record));
-            write_file(path, &page::diff(&[a?, b?], &settings, &comparison, &options))?;
+            write_file(path, &page::diff(&runs, &settings, &comparison, &options))?;
         }
         print(&comparison, json)
     }

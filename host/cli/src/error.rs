@@ -5,28 +5,28 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use lashloop_campaign::budget::line_map::MapError;
+use lashloop_campaign::cluster::error::ClusterError;
+use lashloop_hardware::commission::MotionError;
+use lashloop::execution::ExecutionError;
+use lashloop_hardware::flash::FlashError;
+use lashloop_hardware::identify::record::NoSeries;
+use lashloop_campaign::journal::JournalError;
+use lashloop_live::LiveError;
+use lashloop_hardware::parameter_set::SettingsError;
 use lashloop::replay::ReplayError;
-use lashloop::rig::drive_settings::MissingParameter;
-use lashloop::rig::limits::LimitError;
+use lashloop::rig::RigError;
 use lashloop::rig::lock::LockError;
+use lashloop_campaign::suite::baseline::BaselineError;
+use lashloop_campaign::suite::files::FilesError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::CampaignError;
-use lashloop_campaign::budget::line_map::MapError;
-use lashloop_campaign::cluster::error::ClusterError;
-use lashloop_campaign::journal::JournalError;
-use lashloop_campaign::suite::baseline::BaselineError;
-use lashloop_campaign::suite::files::FilesError;
-use lashloop_hardware::commission::MotionError;
-use lashloop_hardware::flash::FlashError;
-use lashloop_hardware::identify::record::NoSeries;
-use lashloop_hardware::parameter_set::SettingsError;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
-use lashloop_live::LiveError;
 use lashloop_record::diff::DiffError;
 use lashloop_record::export::ExportError;
 use lashloop_record::folder::FolderError;
@@ -94,14 +94,8 @@ pub(crate) enum CliError {
     Live(#[from] LiveError),
     #[error(transparent)]
     Flash(#[from] FlashError),
-    #[error("{problem}")]
-    HardwareAbsent { problem: String },
     #[error(transparent)]
-    RigLock(#[from] LockError),
-    #[error(transparent)]
-    RigLimit(#[from] LimitError),
-    #[error(transparent)]
-    RigParameter(#[from] MissingParameter),
+    Rig(#[from] RigError),
     #[error("the load at its start is not confirmed: press Enter at a terminal once it is there")]
     Unconfirmed,
     #[error("{option} {problem}")]
@@ -135,11 +129,9 @@ impl CliError {
             Self::Campaign(CampaignError::NotRepeated { .. }) => Exit::Fail,
             Self::Run(error) => error.exit(),
             Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
-            | Self::RigLock(_)
-            | Self::RigParameter(_)
             | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
-            Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
+            Self::Rig(error) => error.exit(),
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
@@ -171,7 +163,6 @@ impl CliError {
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }
             | Self::Instruments { .. }
-            | Self::RigLimit(_)
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
     }
@@ -197,6 +188,21 @@ fn flash_exit(error: &FlashError) -> Exit {
         | FlashError::Different { .. }
         | FlashError::File { .. }
         | FlashError::Silent { .. } => Exit::DeviceOrLink,
+    }
+}
+
+impl From<ExecutionError> for CliError {
+    fn from(error: ExecutionError) -> Self {
+        match error {
+            ExecutionError::Rig(error) => Self::Rig(error),
+            ExecutionError::Run(error) => Self::Run(error),
+        }
+    }
+}
+
+impl From<LockError> for CliError {
+    fn from(error: LockError) -> Self {
+        Self::Rig(error.into())
     }
 }
 

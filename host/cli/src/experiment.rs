@@ -8,7 +8,7 @@ use clap::Args;
 use lashloop::Bench;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::run::{Clock, DeviceUnderTest, check_bench_mode};
+use lashloop_bench::run::{Clock, check_bench_mode};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -24,11 +24,11 @@ use toml_edit::DocumentMut;
 
 use super::error::{CliError, system};
 use super::history::run_for_figure;
-use super::options::{RigOption, TakenRig, plants};
+use super::options::{RigOption, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
 use super::supervision::start_supervisor;
-use lashloop::rig::Rig;
-use lashloop_hardware::rig_check::check_board;
+use lashloop::execution::{OpenDrive, Place};
+use lashloop::rig::{Rig, RigError};
 use merzouki_2005::scenarios::{BENCH_SCENARIOS, Source};
 
 const INDEX: &str = "index.html";
@@ -62,18 +62,19 @@ pub(crate) struct Arguments {
     /// Replace the records that the folder of --out holds
     #[arg(long)]
     force: bool,
+
+    /// Write each record as CSV too, see `lashloop run --help`
+    #[arg(long)]
+    csv: bool,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "experiment")?;
-        let choice = match &rig {
-            Some(taken) => {
-                taken.check_present()?;
-                &taken.rig.port.device
-            }
-            None => &self.device,
-        };
+        let place = Place::of(rig.as_ref(), &self.device);
+        if let Some(taken) = place.rig() {
+            taken.rig.check_present()?;
+        }
         RecordFolder::check_inside(&self.out, self.force)?;
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
@@ -85,9 +86,8 @@ impl Arguments {
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
             let recorder = self.recorder(name, "experiment")?;
-            let (experiment, judged, description) =
-                experiment(of_bench, choice, rig.as_ref(), &supervisor, recorder)?;
-            let (simulation, simulated) = simulate(&of_hil, &supervisor, self.recorder(name, "simulation")?)?;
+            let (experiment, judged, description) = experiment(of_bench, place, &supervisor, recorder)?;
+            let (simulation, simulated) = simulate(of_hil, &supervisor, self.recorder(name, "simulation")?)?;
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });
@@ -116,7 +116,7 @@ impl Arguments {
             working_directory: working_directory(),
             ..RunSource::default()
         };
-        Ok(RecordWriter::new(folder, source))
+        Ok(RecordWriter::new(folder, source).with_csv(self.csv))
     }
 
     /// Prints the table and writes the figures, the page that shows them last.
@@ -192,8 +192,7 @@ fn scenarios(
             error_line(format_args!("lashloop: warning: {name}: {reduced}"));
         }
         let _ = rig.limits.reduce(&mut of_hil);
-        rig.allows(&of_bench)?;
-        of_bench.link.baud = rig.port.baud;
+        rig.allows(&of_bench).map_err(RigError::from)?;
         rig.equip(&mut of_bench);
         of_hil.encoders = of_bench.encoders.clone();
     }
@@ -201,47 +200,38 @@ fn scenarios(
 }
 
 fn simulate(
-    scenario: &Scenario,
+    mut scenario: Scenario,
     supervisor: &Supervisor,
     recorder: RecordWriter,
 ) -> Result<(Run, Verdict), CliError> {
     let choice: DeviceChoice = "inproc".parse().expect("a kind of device");
-    let mut device = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, supervisor, |link| link)?;
-    run_for_figure(scenario, 0.0, &mut device, Clock::Lockstep, supervisor, Some(recorder))
+    let mut drive = OpenDrive::open(&mut scenario, (&choice).into(), Clock::Lockstep, supervisor)?;
+    run_for_figure(&mut drive, scenario, 0.0, supervisor, Some(recorder))
 }
 
 /// Runs a scenario in bench mode. Also returns what the drive is.
 fn experiment(
     mut scenario: Scenario,
-    choice: &DeviceChoice,
-    rig: Option<&TakenRig>,
+    place: Place<'_>,
     supervisor: &Supervisor,
     recorder: RecordWriter,
 ) -> Result<(Run, Verdict, String), CliError> {
-    let has_plant = choice.for_run(&scenario, ClockName::Lockstep)?.keeps_bench_clock(ClockName::Lockstep);
+    let lockstep = ClockName::Lockstep;
+    let has_plant = place.choice().for_run(&scenario, lockstep)?.keeps_bench_clock(lockstep);
     let clock = if has_plant { Clock::Lockstep } else { Clock::RealTime(RealTime::default()) };
-    let open = |scenario: &Scenario| -> Result<DeviceUnderTest, CliError> {
-        let device = DeviceUnderTest::open(scenario, choice, clock.name(), supervisor, |link| link)?;
-        if let Some(taken) = rig {
-            check_board(&taken.rig, &device.device)?;
-        }
-        check_bench_mode(&device.device, clock.name())?;
-        Ok(device)
-    };
     if !has_plant {
-        // An operator moves no load for a drive that is not there. The port is free while its drive is powered off and on.
-        drop(open(&scenario)?);
+        // An operator moves no load for a drive that isn't there. The port is free while its drive is powered off and on.
+        let drive = OpenDrive::open(&mut scenario, place, clock, supervisor)?;
+        check_bench_mode(drive.device(), clock.name())?;
+        drop(drive);
         wait_for_start(&scenario)?;
     }
-    let mut device = open(&scenario)?;
-    if let Some(taken) = rig {
-        taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
-    }
-    for warning in device.device.warnings() {
+    let mut drive = OpenDrive::open(&mut scenario, place, clock, supervisor)?;
+    for warning in drive.device().warnings() {
         error_line(format_args!("lashloop: warning: {warning}"));
     }
-    let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, clock, supervisor, Some(recorder))?;
-    Ok((run, verdict, device.device.description()))
+    let (run, verdict) = run_for_figure(&mut drive, scenario, 0.0, supervisor, Some(recorder))?;
+    Ok((run, verdict, drive.device().description()))
 }
 
 /// Waits until a person has brought the load to its start.

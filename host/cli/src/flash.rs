@@ -76,7 +76,7 @@ impl Arguments {
         if let Some(rig) = rig.filter(|rig| rig.board != expected.board) {
             return Err(other_board(&image, &expected, rig.file.display(), &rig.board, false).into());
         }
-        let device = self.device.or_else(|| Some(rig?.port.device.clone()));
+        let device = self.device.or_else(|| Some(rig?.port.without_limits().clone()));
         if let Some(simulator) = device.as_ref().filter(|device| !device.may_be_hardware()) {
             return Err(FlashError::Simulator(simulator.to_string()).into());
         }

@@ -1,26 +1,26 @@
 //! One run for a figure: its trace in memory, with a progress bar.
 
+use lashloop::execution::OpenDrive;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, Observers, RunStart, Step, StepObserver};
+use lashloop_bench::run::{RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_record::columns::Columns;
+use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 use merzouki_2005::figures::Run;
 
 use super::error::CliError;
 use super::progress::Progress;
-use super::run::summary;
 
-struct History<'a> {
+struct History {
     trace: Columns,
     shown_from_s: f64,
     progress: Progress,
-    supervisor: &'a Supervisor,
 }
 
-impl StepObserver for History<'_> {
+impl StepObserver for History {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         self.trace.begin(start)
     }
@@ -32,29 +32,24 @@ impl StepObserver for History<'_> {
         }
         Ok(())
     }
-
-    fn stop_asked(&self) -> bool {
-        self.supervisor.interrupted()
-    }
 }
 
-/// Runs a scenario, keeps its trace from `shown_from_s` on, and writes its record.
+/// Makes a run, keeps its trace from `shown_from_s` on, and writes its record.
 pub(super) fn run_for_figure(
-    scenario: &Scenario,
+    drive: &mut OpenDrive<'_>,
+    mut scenario: Scenario,
     shown_from_s: f64,
-    device: &mut DeviceUnderTest,
-    clock: Clock,
     supervisor: &Supervisor,
     mut record: Option<RecordWriter>,
 ) -> Result<(Run, Verdict), CliError> {
-    let progress = Progress::of(scenario);
-    let mut history = History { trace: Columns::default(), shown_from_s, progress, supervisor };
+    let progress = Progress::of(&scenario);
+    let mut history = History { trace: Columns::default(), shown_from_s, progress };
     let _signals = supervisor.guard_signals();
     let mut observers: Vec<&mut dyn StepObserver> = vec![&mut history];
     observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
-    let outcome = run::run(scenario, device, clock, &mut Observers(observers))?;
+    let outcome = drive.run(&mut scenario, observers)?;
     if let Some(record) = record {
-        record.finish(&summary(scenario, &device.device, &outcome))?;
+        record.finish(&Summary::new(&scenario, drive.device(), &outcome))?;
     }
     Ok((Run { trace: history.trace, metrics: outcome.metrics }, outcome.judgement.verdict))
 }

@@ -13,6 +13,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use lashloop_record::file_names::SCENARIO_FILE;
+use lashloop_record::manifest::Manifest;
 use lashloop_record::reader::Record;
 
 use super::error::CliError;
@@ -69,7 +70,7 @@ impl Arguments {
             .iter()
             .map(|folder| Ok((folder, Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let of_record = scenario(records[0].0, &records[0].1, bench);
+        let of_record = scenario(records[0].0, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
         let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
         outln!(
@@ -79,15 +80,12 @@ impl Arguments {
         let (mut motions, mut mode) = (Vec::new(), RunMode::Bench);
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
-            let of_record = record.manifest.as_ref().map_or(RunMode::Hil, |it| it.mode);
-            let choice = |name: &str| {
-                let parameters = &record.manifest.as_ref()?.parameters;
-                parameters.iter().find(|it| it.name == name)?.choice.clone()
-            };
-            let in_force = directions_in_force(of_record, choice);
-            motions.push(series(&record.trace.columns, &instruments, in_force).map_err(unfit)?);
+            let Manifest { mode: of_record, parameters, .. } = &record.manifest;
+            let choice = |name: &str| parameters.iter().find(|it| it.name == name)?.choice.clone();
+            let in_force = directions_in_force(*of_record, choice);
+            motions.push(series(&record.trace, &instruments, in_force).map_err(unfit)?);
             if of_record.is_hil() {
-                mode = of_record;
+                mode = *of_record;
             }
         }
         let start = match (&self.start, &of_record) {
@@ -143,15 +141,10 @@ pub(super) fn encoder_noise(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("{counts} is outside 0 to {MAX_NOISE_COUNTS}"))
 }
 
-/// The scenario of a record as it was resolved, or why there is none. A record of an older format has the name of its file.
-fn scenario(folder: &Path, record: &Record, bench: &Bench) -> Result<Scenario, String> {
+/// The scenario of a record as it was resolved, or why there is none.
+fn scenario(folder: &Path, bench: &Bench) -> Result<Scenario, String> {
     let resolved = folder.join(SCENARIO_FILE);
-    let file = if resolved.exists() {
-        resolved
-    } else {
-        record.summary.as_ref().map(|it| PathBuf::from(&it.scenario)).ok_or("the record has no summary")?
-    };
-    Scenario::from_file_with(&file, &[], &plants(bench)).map_err(|error| error.to_string())
+    Scenario::from_file_with(&resolved, &[], &plants(bench)).map_err(|error| error.to_string())
 }
 
 /// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.

@@ -38,6 +38,7 @@ mod flash;
 mod history;
 mod identify;
 mod monitor;
+mod one_run;
 mod options;
 mod output;
 mod paper;

@@ -13,9 +13,7 @@ use lashloop_record::source::RunSource;
 
 use super::error::CliError;
 use lashloop::Bench;
-use lashloop::rig::Rig;
-use lashloop::rig::lock::RigLock;
-use lashloop_hardware::rig_check::absent;
+use lashloop::rig::TakenRig;
 
 /// Speed of a serial port without a scenario, in bit/s.
 pub(super) const DEFAULT_BAUD: u32 = 921_600;
@@ -97,43 +95,25 @@ pub(super) struct RigOption {
 impl RigOption {
     /// Reads and locks the rig; `None` without one. `purpose` is what the program does, for the message of a second program.
     pub(super) fn take(&self, bench: &Bench, purpose: &str) -> Result<Option<TakenRig>, CliError> {
-        self.rig.as_deref().map(|file| TakenRig::take(file, bench, purpose)).transpose()
-    }
-}
-
-/// A rig that this program uses alone.
-pub(super) struct TakenRig {
-    pub(super) rig: Rig,
-    /// As the user named it.
-    pub(super) file: String,
-    _lock: RigLock,
-}
-
-impl TakenRig {
-    pub(super) fn take(file: &Path, bench: &Bench, purpose: &str) -> Result<Self, CliError> {
-        let devices = bench.devices();
-        let rig = Rig::from_file(file, &|text| DeviceChoice::parse(text, &devices))?;
-        let lock = RigLock::take(&rig.port.device.to_string(), &format!("lashloop {purpose}"))?;
-        Ok(Self { rig, file: file.display().to_string(), _lock: lock })
-    }
-
-    /// # Errors
-    /// The port of the rig doesn't exist.
-    pub(super) fn check_present(&self) -> Result<(), CliError> {
-        absent(&self.rig).map_or(Ok(()), |problem| Err(CliError::HardwareAbsent { problem }))
+        let take = |file: &Path| TakenRig::take(file, &bench.devices(), purpose);
+        Ok(self.rig.as_deref().map(take).transpose()?)
     }
 }
 
 /// Where a record goes.
 #[derive(Args)]
 pub(super) struct RecordOptions {
-    /// Folder for the record: manifest, resolved scenario, samples, tables and summary; `latest` next to it points to it
+    /// Folder for the record: manifest, resolved scenario, samples and summary; `latest` next to it points to it
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 
     /// Replace the record that the folder of --out holds
     #[arg(long, requires = "out")]
     pub(super) force: bool,
+
+    /// Write the record as CSV too, as `lashloop export --to csv` does: export.csv in the folder of --out
+    #[arg(long, requires = "out")]
+    pub(super) csv: bool,
 }
 
 impl RecordOptions {

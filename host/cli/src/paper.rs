@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop::Bench;
-use lashloop_bench::device::Device;
-use lashloop_bench::run::{Clock, DeviceUnderTest};
+use lashloop_bench::run::Clock;
 use lashloop_bench::verdict::{Exit, Verdict};
 use merzouki_2005::figures::{Laws, PAPER, Run, Runs, figures, file_name, page, tables};
 use merzouki_2005::plan::{PLANS, SHAFT, scenario, shown_from_s, twist};
@@ -16,6 +15,7 @@ use super::history::run_for_figure;
 use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::supervision::start_supervisor;
+use lashloop::execution::OpenDrive;
 
 const INDEX: &str = "index.html";
 
@@ -38,25 +38,20 @@ impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
-        let baud = scenario(SCENARIOS[0], None)?.link.baud;
-        let device = Device::open(&self.drive.device, baud, &supervisor)?;
-        outln!("{}", device.description());
-        let mut device = DeviceUnderTest::from(device);
+        let mut first = scenario(SCENARIOS[0], None)?;
+        let mut drive =
+            OpenDrive::open(&mut first, (&self.drive.device).into(), Clock::Lockstep, &supervisor)?;
+        outln!("{}", drive.device().description());
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();
         for plan in PLANS {
             let mut laws = Vec::new();
             for (file, law) in plan {
                 let scenario = scenario(file, law)?;
-                let (run, verdict) = run_for_figure(
-                    &scenario,
-                    shown_from_s(&scenario),
-                    &mut device,
-                    Clock::Lockstep,
-                    &supervisor,
-                    None,
-                )?;
-                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name);
+                let (name, law) = (scenario.name.clone(), scenario.controller.name.clone());
+                let shown_from_s = shown_from_s(&scenario);
+                let (run, verdict) = run_for_figure(&mut drive, scenario, shown_from_s, &supervisor, None)?;
+                outln!("{name:<40} {law:<14} {verdict}");
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {
@@ -71,7 +66,7 @@ impl Arguments {
         let ratio = scenario(SCENARIOS[0], None)?.plant.number("reduction_ratio").unwrap_or(f64::NAN);
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(SHAFT[0])?);
         let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
-        self.report(&runs, &device.device.description())?;
+        self.report(&runs, &drive.device().description())?;
         Ok(worst.into())
     }
 

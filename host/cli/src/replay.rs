@@ -13,7 +13,7 @@ use super::options::plants;
 use super::output::outln;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop::replay::{DriveEnd, RecordedParameters, Recording, ReplayError, replay};
+use lashloop::replay::{DriveEnd, RecordedParameters, Recording, replay};
 
 /// Send the samples of a record to another firmware and compare the torques bit by bit
 ///
@@ -42,13 +42,7 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let files = RecordFiles::read(&self.record)?;
-        let missing = |what| ReplayError::Missing {
-            record: files.name.clone(),
-            what,
-            remedy: "it is of an older format: run its scenario again with this version",
-        };
-        let parameters = files.manifest.as_ref().and_then(RecordedParameters::of);
-        let parameters = parameters.ok_or_else(|| missing("parameters in force"))?;
+        let parameters = RecordedParameters::of(&files.record.manifest.parameters);
         let recording = Recording::new(&files)?;
         let scenario = Scenario::from_file_with(&self.record.join("scenario.toml"), &[], &plants(bench))?;
         let supervisor = start_supervisor()?;
@@ -60,7 +54,7 @@ impl Arguments {
                 recording.steps.len(),
                 parameters.len()
             );
-            outln!("recorded    {}", files.device().unwrap_or("-"));
+            outln!("recorded    {}", files.record.manifest.device_description);
             outln!("replayed    {}", device.description());
         }
         let signals = supervisor.guard_signals();

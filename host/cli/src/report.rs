@@ -48,8 +48,7 @@ fn comparison(folders: &[PathBuf]) -> Result<String, CliError> {
     let named = folders.iter().zip(records);
     let run =
         |(folder, files): (&PathBuf, RecordFiles)| page::Run::new(name_among(folders, folder), files.record);
-    let runs = named.map(run).collect::<Result<Vec<_>, _>>()?;
-    Ok(page::comparison(&runs, &settings))
+    Ok(page::comparison(&named.map(run).collect::<Vec<_>>(), &settings))
 }
 
 /// The last part of a path; the whole path where two of them share it.

@@ -1,25 +1,31 @@
 //! `lashloop rerun`: the scenario of a record, run again and compared with the record.
 
 use std::env;
-use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::{self, Path, PathBuf};
 
-use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser};
+use clap::Args;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::End;
+use lashloop_bench::run::{Clock, End};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_session::printable;
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::manifest::Manifest;
+use lashloop_record::source::RunSource;
 use lashloop_record::trace::TIME;
-use lashloop_session::printable;
-use serde_json::Value;
 
 use super::diff::{JudgedOptions, print};
 use super::error::{CliError, system};
-use super::options::with_device;
+use super::one_run::OneRun;
+use super::options::plants;
 use super::output::outln;
-use super::run;
+use super::watch_options::WatchOptions;
 use lashloop::Bench;
+use lashloop::execution::{Finished, Place};
+use lashloop::rig::TakenRig;
 
 /// Run the scenario of a record again and compare the results
 ///
@@ -52,28 +58,17 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "out")]
     force: bool,
 
+    /// Write the new record as CSV too, see `lashloop run --help`
+    #[arg(long, requires = "out")]
+    csv: bool,
+
     #[command(flatten)]
     judged: JudgedOptions,
-}
-
-/// The words after `lashloop run`.
-#[derive(Parser)]
-#[command(name = "rerun", no_binary_name = true)]
-struct RunWords {
-    #[command(flatten)]
-    run: run::Arguments,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let record = RecordFiles::read(&self.record)?;
-        let unusable = |problem: String| CliError::Rerun { record: self.record.clone(), problem };
-        let manifest = record.manifest.as_ref().filter(|_| record.scenario.is_some()).ok_or_else(|| {
-            unusable(
-                "the record has no scenario: it is of an older format; run its scenario file again"
-                    .to_owned(),
-            )
-        })?;
         let part_s = part_s(&record);
         let whole = DiffOptions::default();
         let options = DiffOptions {
@@ -86,16 +81,7 @@ impl Arguments {
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let out = self.out.clone().unwrap_or_else(|| temporary.path().join("rerun"));
         let out = path::absolute(out).map_err(system("find the working directory"))?;
-        let words = self.words(manifest, &out).map_err(unusable)?;
-        // The device of the record names its files from there.
-        if let (None, Some(folder)) = (&self.device, manifest["working_directory"].as_str())
-            && Path::new(folder).is_dir()
-        {
-            env::set_current_dir(folder).map_err(system("change to the working directory of the run"))?;
-        }
-        let matches = with_device(RunWords::command(), bench).try_get_matches_from(words);
-        let parsed = matches.and_then(|matches| RunWords::from_arg_matches(&matches));
-        let executed = parsed.map_err(|error| unusable(error.to_string()))?.run.execute(bench)?;
+        let finished = self.make(&record.record.manifest, &out, bench)?;
         if let Some(part_s) = part_s.as_ref().filter(|_| !self.judged.json) {
             outln!(
                 "The record has a part of its run, from {:.6} s to {:.6} s, and this part is compared; metrics and verdict are not \
@@ -107,61 +93,77 @@ impl Arguments {
         let mut again = RecordFiles::read(&out)?;
         again.name = self.out.map_or_else(|| "this run".to_owned(), |out| out.display().to_string());
         let exit = print(&Comparison::new(&[record, again], &options)?, self.judged.json)?;
-        Ok(if executed.outcome.end == End::Interrupted { Exit::Invalid } else { exit })
+        Ok(if finished.outcome.end == End::Interrupted { Exit::Invalid } else { exit })
     }
 
-    /// The words of `lashloop run` that repeat the run.
-    fn words(&self, manifest: &Value, out: &Path) -> Result<Vec<OsString>, String> {
-        let text = |key: &str| {
-            let value = manifest[key].as_str();
-            value.map(OsString::from).ok_or_else(|| format!("record.json has no {key}"))
+    /// Makes the run of the record again.
+    fn make(&self, manifest: &Manifest, out: &Path, bench: &Bench) -> Result<Finished, CliError> {
+        let absolute = |path: &Path| path::absolute(path).map_err(system("find the working directory"));
+        let file = absolute(&self.record.join("scenario.toml"))?;
+        let take = |file: &Path| {
+            let purpose = format!("rerun {}", manifest.scenario.path);
+            TakenRig::take(&absolute(file)?, &bench.devices(), &purpose).map_err(CliError::from)
         };
-        let absolute = |path: &Path| path::absolute(path).map_err(|error| error.to_string());
-        let mut words = vec![absolute(&self.record.join("scenario.toml"))?.into()];
-        match (&self.rig, &self.device) {
-            (Some(rig), _) => words.extend(["--rig".into(), absolute(rig)?.into()]),
-            (None, Some(device)) => words.extend(["--device".into(), device.to_string().into()]),
-            (None, None) => match manifest["rig"].as_str() {
-                Some(rig) => {
-                    return Err(format!(
-                        "the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"
-                    ));
-                }
-                None => {
-                    let device = text("device")?;
-                    // A record may come from others, and reading it is not to start what it names.
-                    if let Some(named) = device.to_str().filter(|it| it.starts_with("exec:")) {
-                        let named = printable(named);
-                        return Err(format!(
-                            "the drive was a program, which a record does not start: give --device '{named}', whose path \
-                             begins in the present folder"
-                        ));
-                    }
-                    words.extend(["--device".into(), device]);
-                }
-            },
+        let (rig, device);
+        let place = match self.rig.as_deref() {
+            Some(file) => {
+                rig = take(file)?;
+                Place::Rig(&rig)
+            }
+            None => {
+                device = self.device(manifest, bench).map_err(|problem| self.unusable(problem))?;
+                Place::Device(&device)
+            }
+        };
+        // The device of the record names its files from there.
+        if let (None, Some(folder)) = (&self.device, &manifest.working_directory)
+            && Path::new(folder).is_dir()
+        {
+            env::set_current_dir(folder).map_err(system("change to the working directory of the run"))?;
         }
-        words.extend(["--out".into(), out.into(), "--clock".into(), text("clock")?]);
-        let real_time = &manifest["real_time"];
-        for (option, key) in [("--spin-us", "spin_us"), ("--fifo", "fifo"), ("--core", "core")] {
-            let value = real_time[key].as_u64();
-            words.extend(value.into_iter().flat_map(|value| [option.into(), value.to_string().into()]));
+        let (overrides, plants) = (self.set.iter().cloned().map(Override::Set).collect::<Vec<_>>(), plants(bench));
+        let scenario = Scenario::from_file_with(&file, &overrides, &plants)?;
+        let mut source = RunSource::new(&file, &overrides, &plants);
+        source.rig = place.rig().map(|taken| taken.file.clone());
+        let clock = match manifest.clock {
+            ClockName::Lockstep => Clock::Lockstep,
+            ClockName::RealTime => Clock::RealTime(manifest.real_time.unwrap_or_default().into()),
+        };
+        place.check(&scenario)?;
+        let folder = RecordFolder::claim(out, self.force)?;
+        folder.check_source(Path::new(&scenario.name))?;
+        let (folder, csv, watch) = (Some(folder), self.csv, &WatchOptions::default());
+        OneRun { scenario, source, place, clock, folder, csv, watch, capture: None, gate: None }.make()
+    }
+
+    /// The device of the options, else that of the record.
+    fn device(&self, manifest: &Manifest, bench: &Bench) -> Result<DeviceChoice, String> {
+        match (&self.device, &manifest.rig) {
+            (Some(device), _) => Ok(device.clone()),
+            (None, Some(rig)) => {
+                Err(format!("the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"))
+            }
+            // A record may come from others, and reading it is not to start what it names.
+            (None, None) if manifest.device.starts_with("exec:") => Err(format!(
+                "the drive was a program, which a record does not start: give --device '{}', whose path begins in the present \
+                 folder",
+                printable(&manifest.device)
+            )),
+            (None, None) => DeviceChoice::parse(&manifest.device, &bench.devices()),
         }
-        words.extend((real_time["lock_memory"] == true).then(|| "--lock-memory".into()));
-        words.extend(self.force.then(|| "--force".into()));
-        for setting in &self.set {
-            words.extend(["--set".into(), setting.into()]);
-        }
-        Ok(words)
+    }
+
+    fn unusable(&self, problem: String) -> CliError {
+        CliError::Rerun { record: self.record.clone(), problem }
     }
 }
 
 /// The time that a record has, if it has a part of its run only, as the records of a soak do. The end of an interrupted run
 /// is none that the user has chosen.
 fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
-    let times_s = files.record.trace.columns.get(TIME)?;
+    let times_s = files.record.trace.get(TIME)?;
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
-    let steps = files.summary.as_ref().and_then(|summary| summary["steps"].as_u64());
+    let steps = files.record.summary.as_ref().map(|summary| summary.steps);
     let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
     is_part.then_some(first_s..=last_s)
 }

@@ -6,12 +6,11 @@ use clap::{Args, Subcommand};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
-use super::options::TakenRig;
 use super::output::outln;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop::rig::Rig;
 use lashloop_hardware::rig_check::{Reached, check};
+use lashloop::rig::{Rig, TakenRig};
 
 /// Check a bench with hardware, described by a rig file
 #[derive(Args)]
@@ -56,7 +55,7 @@ impl Arguments {
 }
 
 fn check_rig(file: &std::path::Path, bench: &Bench) -> Result<Exit, CliError> {
-    let taken = TakenRig::take(file, bench, "rig check")?;
+    let taken = TakenRig::take(file, &bench.devices(), "rig check")?;
     let supervisor = start_supervisor()?;
     let checked = check(&taken.rig, &supervisor);
     for finding in &checked.findings {

@@ -3,31 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::Bench;
-use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver, check_bench_mode};
-use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::timing::ClockName;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::scenario::Override;
 use lashloop_bench::verdict::Exit;
-use lashloop_decode::capture::link::Captured;
-use lashloop_decode::capture::{self, Capture, WhenFull};
-use lashloop_link::Link;
-use lashloop_record::summary::{Summary, Telemetry, Versions};
-use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
+use super::one_run::{Gate, OneRun};
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::error_line;
-use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
 use super::{report_files, run_junit, run_report};
+use lashloop::Bench;
+use lashloop::execution::{Finished, Place};
 use lashloop_campaign::suite::case_result::CaseResult;
-use lashloop_hardware::identify::gate::{self, Intervals, RecordedMotion};
-use lashloop_hardware::rig_check::check_board;
 
 /// Run a scenario on a drive and print its verdict
 #[derive(Args)]
@@ -89,7 +78,7 @@ impl Arguments {
             report_files::check(path, std::slice::from_ref(self.scenario.file()))?;
         }
         let page = self.record.out.clone().filter(|_| self.report);
-        let Executed { scenario, summary, outcome } = self.execute(bench).inspect_err(|error| {
+        let Finished { scenario, summary, outcome } = self.make(bench).inspect_err(|error| {
             junit.iter().for_each(|path| run_junit::write_error(path, error));
         })?;
         run_report::print(&scenario, &summary, &outcome);
@@ -106,161 +95,19 @@ impl Arguments {
         Ok(summary.verdict.into())
     }
 
-    /// Makes the run and writes its record. Prints warnings only.
-    pub(super) fn execute(self, bench: &Bench) -> Result<Executed, CliError> {
-        let (mut scenario, mut source) = {
-            let law = self.controller.map(Override::Controller);
-            self.scenario.read_with_source(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
-        };
+    fn make(self, bench: &Bench) -> Result<Finished, CliError> {
+        let law = self.controller.map(Override::Controller);
+        let overrides = law.into_iter().chain(self.mode.map(Override::Mode));
+        let (scenario, mut source) = self.scenario.read_with_source(overrides, bench)?;
         let clock = self.clock.clock()?;
-        let when_full = match clock.name() {
-            ClockName::Lockstep => WhenFull::Wait,
-            ClockName::RealTime => WhenFull::Fail,
-        };
         let rig = self.rig.take(bench, &format!("run {}", scenario.name))?;
-        let choice = match &rig {
-            Some(taken) => {
-                source.rig = Some(taken.file.clone());
-                taken.rig.allows(&scenario)?;
-                taken.check_present()?;
-                scenario.link.baud = taken.rig.port.baud;
-                &taken.rig.port.device
-            }
-            None => &self.device,
-        };
-        let mut gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
+        let place = Place::of(rig.as_ref(), &self.device);
+        source.rig = place.rig().map(|taken| taken.file.clone());
+        place.check(&scenario)?;
+        let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let folder = self.record.claim(Path::new(&scenario.name))?;
         self.junit.as_deref().map_or(Ok(()), run_junit::begin)?;
-        let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
-        let (recorder, capture) = capture.unzip();
-        let watch = self.watch.start()?;
-        let supervisor = start_supervisor()?;
-        let listen = |link| match recorder {
-            Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
-            None => link,
-        };
-        let mut device = DeviceUnderTest::open(&scenario, choice, clock.name(), &supervisor, listen)?;
-        if let Some(taken) = &rig {
-            check_board(&taken.rig, &device.device)?;
-            if !scenario.run.mode.is_hil() {
-                check_bench_mode(&device.device, clock.name())?;
-            }
-            taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
-        }
-        for warning in device.device.warnings() {
-            error_line(format_args!("lashloop: warning: {warning}"));
-        }
-        let mut monitor = watch.monitor(&scenario);
-        let mut interrupt = Interrupt { supervisor: &supervisor, capture };
-        let mut record = folder.map(|folder| RecordWriter::new(folder, source));
-        let signals = supervisor.guard_signals();
-        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut monitor, &mut interrupt];
-        observers.extend(gate.as_mut().map(|it| it as &mut dyn StepObserver));
-        observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
-        watch.wait(|| supervisor.interrupted());
-        let mut outcome = run::run(&scenario, &mut device, clock, &mut Observers(observers))?;
-        let Interrupt { capture, .. } = interrupt;
-        drop(monitor);
-        // The warnings at the start have it for an adapter that was not reconnected.
-        let reconnected = (outcome.link.resumes > 0).then(|| device.device.connection.long_latency_timer());
-        if let Some(warning) = reconnected.flatten() {
-            error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
-        }
-        let departure = gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose();
-        match &departure {
-            Ok(None | Some(None)) => {}
-            Ok(Some(Some(departure))) => outcome.judgement.close_gate(departure.to_string()),
-            // A gate that can't be computed is no gate that was passed.
-            Err(error) => outcome.judgement.close_gate(error.to_string()),
-        }
-        let summary = summary(&scenario, &device.device, &outcome);
-        // Closes the link, and with it the sending end of the capture.
-        drop(device);
-        let captured = capture.map_or(Ok(0), |capture| capture.finish());
-        // Before any other error: the run is complete, and so is its record.
-        if let Some(record) = record {
-            record.finish(&summary)?;
-        }
-        captured?;
-        departure?;
-        watch.finish(&outcome, self.record.out.as_deref());
-        // A signal before this point would truncate the record.
-        drop(signals);
-        Ok(Executed { scenario, summary, outcome })
-    }
-}
-
-/// A run that was made and recorded.
-pub(super) struct Executed {
-    scenario: Scenario,
-    summary: Summary,
-    pub(super) outcome: Outcome,
-}
-
-/// What the gate compares after the run.
-struct Gate {
-    recorded: RecordedMotion,
-    intervals: Intervals,
-}
-
-impl Gate {
-    /// `file` has the intervals; without one the model has none.
-    fn read(file: Option<&Path>) -> Result<Self, CliError> {
-        let input = |path: &Path| {
-            gate::intervals(path).map_err(|source| CliError::Input { path: path.to_owned(), source })
-        };
-        let intervals = file.map(input).transpose()?.unwrap_or_default();
-        Ok(Self { recorded: RecordedMotion::default(), intervals })
-    }
-}
-
-pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
-    Summary {
-        verdict: outcome.judgement.verdict,
-        scenario: scenario.name.clone(),
-        device: device.description(),
-        evidence: device.evidence(),
-        mode: scenario.run.mode,
-        controller: scenario.controller.name.clone(),
-        telemetry: Telemetry::from(device.session.subscription()),
-        seed: scenario.run.seed,
-        end: outcome.end.to_string(),
-        broken_rule: outcome.end.broken_rule(),
-        breaches: outcome.judgement.breaches.clone(),
-        gate: outcome.judgement.gate.clone(),
-        reasons: outcome.reasons(),
-        steps: outcome.steps,
-        simulated_s: outcome.simulated_s,
-        wall_s: outcome.wall_s,
-        metrics: outcome.metrics.clone(),
-        expectations: outcome.judgement.expectations.clone(),
-        link: outcome.link,
-        timing: outcome.timing.clone(),
-        faults: outcome.faults.clone(),
-        torque_sha256: outcome.torque_sha256.clone(),
-        versions: Versions::of(&device.session.identity),
-    }
-}
-
-impl StepObserver for Gate {
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.recorded.push(step);
-        Ok(())
-    }
-}
-
-/// What ends a run early: the user, or a capture that can't be written.
-struct Interrupt<'a> {
-    supervisor: &'a Supervisor,
-    capture: Option<Capture>,
-}
-
-impl StepObserver for Interrupt<'_> {
-    fn step(&mut self, _: &Step) -> Result<(), WriteError> {
-        self.capture.as_ref().map_or(Ok(()), Capture::check)
-    }
-
-    fn stop_asked(&self) -> bool {
-        self.supervisor.interrupted()
+        let (watch, csv, capture) = (&self.watch, self.record.csv, self.capture.as_deref());
+        OneRun { scenario, source, place, clock, folder, csv, watch, capture, gate }.make()
     }
 }

@@ -53,8 +53,8 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
         outln!("drive log   {line}");
     }
     outln!("");
-    let name_width = summary.metrics.iter().map(|(metric, _)| metric.name().len()).max().unwrap_or(0);
-    for (metric, measured) in summary.metrics.iter() {
+    let name_width = outcome.metrics.iter().map(|(metric, _)| metric.name().len()).max().unwrap_or(0);
+    for (metric, measured) in outcome.metrics.iter() {
         match measured.value() {
             Some(value) => outln!("{:<name_width$} {:>14} {}", metric.name(), Shown(value), metric.unit()),
             None => outln!("{:<name_width$} {:>14}", metric.name(), measured.to_string()),

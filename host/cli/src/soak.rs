@@ -7,19 +7,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use clap::Args;
 use lashloop::Bench;
-use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Clock, Event, Outcome, RunError, RunStart, Step, StepObserver};
-use lashloop_bench::scenario::Scenario;
-use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::timing::ClockName;
-use lashloop_bench::verdict::Exit;
+use lashloop::execution::{ExecutionError, OpenDrive};
 use lashloop_campaign::soak::plan;
 use lashloop_campaign::soak::resource_usage::{self, Growth};
 use lashloop_campaign::soak::tally::Tally;
+use clap::Args;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::{Clock, Event, Outcome, RunError, RunStart, Step, StepObserver};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
 
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::summary::Summary;
@@ -28,7 +27,6 @@ use lashloop_record::window::WindowRecorder;
 use super::error::{CliError, system};
 use super::options::{DeviceOption, ScenarioOptions};
 use super::output::{self, outln};
-use super::run::summary;
 use super::supervision::start_supervisor;
 
 /// Repeat a scenario while faults of line and encoders rise
@@ -84,7 +82,6 @@ impl Arguments {
             let number = shared.tally().runs;
             let plan = plan::scenario(&scenario, number);
             let mut watcher = SoakWatcher {
-                supervisor: &supervisor,
                 shared: &shared,
                 process: None,
                 growth: Growth::default(),
@@ -171,19 +168,19 @@ fn one_run(
     choice: &DeviceChoice,
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
-) -> (Result<Outcome, RunError>, Option<Summary>) {
-    let opened = DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, supervisor, |link| link);
-    let mut device = match opened {
-        Ok(device) => device,
-        Err(error) => return (Err(error.into()), None),
+) -> (Result<Outcome, ExecutionError>, Option<Summary>) {
+    let made = OpenDrive::open(&mut scenario.clone(), choice.into(), Clock::Lockstep, supervisor);
+    let mut drive = match made {
+        Ok(drive) => drive,
+        Err(error) => return (Err(error), None),
     };
-    watcher.process = device.device.connection.host.process().map(|process| process.id);
-    let result = run::run(scenario, &mut device, Clock::Lockstep, watcher);
-    let summary = result.as_ref().ok().map(|outcome| summary(scenario, &device.device, outcome));
+    watcher.process = drive.device().connection.host.process().map(|process| process.id);
+    let result = drive.run(&mut scenario.clone(), vec![watcher]);
+    let summary = result.as_ref().ok().map(|outcome| Summary::new(scenario, drive.device(), outcome));
     (result, summary)
 }
 
-fn line_of(result: &Result<Outcome, RunError>) -> String {
+fn line_of(result: &Result<Outcome, ExecutionError>) -> String {
     match result {
         Ok(outcome) => {
             let link = &outcome.link;
@@ -245,7 +242,6 @@ fn watch_for_hangs(shared: Arc<Shared>, limit: Duration, out: Option<PathBuf>) {
 }
 
 struct SoakWatcher<'a> {
-    supervisor: &'a Supervisor,
     shared: &'a Shared,
     process: Option<u32>,
     growth: Growth,
@@ -280,10 +276,6 @@ impl StepObserver for SoakWatcher<'_> {
 
     fn failed(&mut self, error: &RunError) {
         self.shared.window().iter_mut().for_each(|window| window.failed(error));
-    }
-
-    fn stop_asked(&self) -> bool {
-        self.supervisor.interrupted()
     }
 }
 

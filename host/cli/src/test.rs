@@ -20,7 +20,6 @@ use super::error::{CliError, system};
 use super::options::{drive_help, plants};
 use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
-use super::run;
 use super::supervision::start_supervisor;
 use super::test_reports::TestReports;
 use lashloop::Bench;
@@ -137,7 +136,6 @@ impl Arguments {
             clock,
             records: records.as_deref(),
             keeps_passes: self.keep_passes,
-            summary: run::summary,
             overrides: &overrides,
             plants: &plants,
         };

@@ -14,7 +14,7 @@ use super::output::outln;
 use super::progress::RunProgress;
 use lashloop_live::{Ending, Live, LiveError, Token, address};
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct WatchOptions {
     /// Serve a page that shows the run while it goes on, and can stop it. ADDRESS is PORT, IP or IP:PORT
     /// [default: a free port of 127.0.0.1]

@@ -1,11 +1,11 @@
 //! Everything that can be found out about a rig without moving it: lock, port, line, drive, board, pins, limits, loader.
 
-use lashloop_bench::device::{Build, Device, DeviceError};
+use lashloop_bench::device::{Build, Device};
 use lashloop_bench::scenario::RunMode;
 use lashloop_bench::scenario::controller::ParameterValue;
+use lashloop_session::{Parameter, Session, WrittenValue};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_protocol::parameter_names::{LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, SAMPLE_SOURCE};
-use lashloop_session::{Parameter, Session, WrittenValue, printable};
 
 use crate::doctor;
 use crate::doctor::finding::Finding;
@@ -37,16 +37,16 @@ pub enum Reached {
 #[must_use]
 pub fn check(rig: &Rig, supervisor: &Supervisor) -> RigCheck {
     let mut findings = vec![Finding::fine("rig", format!("{}; contact {}", rig.title, rig.contact))];
-    if let Some(absent) = absent(rig) {
+    if let Some(absent) = rig.absent() {
         findings.push(Finding::wrong("port", absent));
         findings.push(loader(rig));
         return RigCheck { findings, reached: Reached::NoHardware };
     }
-    let line = doctor::examine(&rig.port.device, rig.port.baud, ROUNDS, supervisor, |_| {});
+    let line = doctor::examine(rig.port.without_limits(), rig.port.baud, ROUNDS, supervisor, |_| {});
     findings.extend(line.findings);
     let mut reached = Reached::Port;
     if line.reached {
-        match Device::open(&rig.port.device, rig.port.baud, supervisor) {
+        match Device::open(rig.port.without_limits(), rig.port.baud, supervisor) {
             Ok(device) => {
                 reached = Reached::Drive;
                 findings.extend(drive(rig, &device));
@@ -58,37 +58,10 @@ pub fn check(rig: &Rig, supervisor: &Supervisor) -> RigCheck {
     RigCheck { findings, reached }
 }
 
-/// The sentence about a rig whose port doesn't exist; `None` for a port that exists, or that is not of this machine.
-#[must_use]
-pub fn absent(rig: &Rig) -> Option<String> {
-    let port = rig.port.device.terminal()?;
-    let exists = port.exists();
-    (!exists).then(|| {
-        format!(
-            "hardware absent: there is no {} on this machine; plug in the rig, see `lashloop ports`, or ask {}",
-            port.display(),
-            rig.contact
-        )
-    })
-}
-
-/// Rejects a drive on another board than that of the rig.
-///
-/// # Errors
-/// The boards differ.
-pub fn check_board(rig: &Rig, device: &Device) -> Result<(), DeviceError> {
-    let board = device.session.identity.board;
-    if board.as_str() == rig.board {
-        return Ok(());
-    }
-    let (file, has) = (rig.file.display(), printable(board.as_str()));
-    Err(device.unfit(format!("its board is {has}, that of {file} is {}", rig.board)))
-}
-
 fn drive(rig: &Rig, device: &Device) -> Vec<Finding> {
     let session = &device.session;
     let identity = &session.identity;
-    let board = match check_board(rig, device) {
+    let board = match rig.check_board(device) {
         Ok(()) => Finding::fine("board", rig.board.clone()),
         Err(error) => Finding::wrong("board", error.to_string()),
     };

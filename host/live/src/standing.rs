@@ -127,10 +127,10 @@ impl SoFar {
         let allow = &scenario.allow;
         let Judgement { expectations, mut breaches, .. } =
             Judgement::new(&scenario.expectations, metrics, allow, &LinkCounts::default(), timing);
-        breaches.retain(|breach| matches!(breach.what, "late" | "late_in_a_row"));
+        breaches.retain(|breach| matches!(&*breach.what, "late" | "late_in_a_row"));
         let allowed = allow.lost.saturating_add(allow.late);
         if timing.clock == ClockName::Lockstep && timing.unanswered > allowed {
-            breaches.push(Breach { what: "lost", counted: Some(timing.unanswered), allowed });
+            breaches.push(Breach { what: "lost".into(), counted: Some(timing.unanswered), allowed });
         }
         let period_s = scenario.run.control_period_s();
         let rows = scenario.expectations.iter().zip(expectations).map(|(expectation, judged)| Row {

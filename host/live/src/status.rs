@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn page_has_every_reason_of_the_verdict() {
-        let breach = Breach { what: "late", counted: Some(3), allowed: 0 };
+        let breach = Breach { what: "late".into(), counted: Some(3), allowed: 0 };
         let mut closed = outcome(Verdict::Pass, End::Interrupted, vec![breach]);
         closed.judgement.close_gate("the model is of another plant".to_owned());
         let ending = Ending::new(&closed, None);

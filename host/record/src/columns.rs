@@ -2,6 +2,8 @@
 
 use lashloop_plant::Signal;
 
+use crate::row::Row;
+
 /// A table in memory: one column for each signal, all of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns {
@@ -54,34 +56,15 @@ impl Columns {
         self.position(name).map(|at| &*self.signals[at].unit)
     }
 
-    /// Sets the unit of a column, if the table has one of this name.
-    pub(crate) fn set_unit(&mut self, name: &str, unit: String) {
-        if let Some(at) = self.position(name) {
-            self.signals[at].unit = unit.into();
-        }
-    }
-
-    /// Repeats the value of the row before in each row of `names` in which `given` is NaN.
-    pub(crate) fn repeat_telemetry(&mut self, names: &[String], given: &str) {
-        let Some(given) = self.get(given).map(<[f64]>::to_vec) else { return };
-        for name in names {
-            let Some(at) = self.position(name) else { continue };
-            let column = &mut self.values[at];
-            for row in 1..given.len() {
-                if given[row].is_nan() {
-                    column[row] = column[row - 1];
-                }
-            }
-        }
-    }
-
-    /// Adds a first column with the index of each row, if there is none of this name.
-    pub(crate) fn number_rows(&mut self, name: &'static str) {
-        if self.position(name).is_none() {
-            let numbers = (0..self.len()).map(|row| row as f64).collect();
-            self.signals.insert(0, Signal::new(name, ""));
-            self.values.insert(0, numbers);
-        }
+    /// All rows, each column by its name; NaN for a column that the table lacks.
+    #[must_use]
+    pub fn rows<R: Row>(&self) -> Vec<R> {
+        let columns: Vec<_> = R::COLUMNS.iter().map(|(name, _)| self.get(name).unwrap_or_default()).collect();
+        let row = |row: usize| {
+            let mut values = columns.iter().map(|column| column.get(row).copied().unwrap_or(f64::NAN));
+            R::of(|| values.next().unwrap_or(f64::NAN))
+        };
+        (0..self.len()).map(row).collect()
     }
 
     /// The rows whose index `keep` accepts.

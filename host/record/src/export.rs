@@ -1,15 +1,16 @@
 //! A record in another format: chosen columns, every n-th step, a part of the time.
 
+use std::fs::File;
+use std::io;
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_session::names::UnknownName;
 
 use crate::columns::Columns;
-use crate::digits::Digits;
+use crate::file_names::EXPORT_FILES;
 use crate::reader::Record;
 use crate::samples;
-use crate::table::TableWriter;
 use crate::trace::TIME;
 
 /// What of a record is exported.
@@ -68,11 +69,10 @@ impl Selection {
     /// # Errors
     /// A signal is unknown, or no row is selected.
     pub fn of(&self, record: &Record) -> Result<Columns, ExportError> {
-        let trace = &record.trace.columns;
-        let timing = record.timing.as_ref().map(|timing| &timing.columns);
+        let Record { trace, timing, .. } = record;
         let all = || {
-            let timing =
-                timing.into_iter().flat_map(|it| it.signals().iter().skip(1).map(move |signal| (it, signal)));
+            // The first one is the number of the step.
+            let timing = timing.signals().iter().skip(1).map(|signal| (timing, signal));
             trace.signals().iter().map(|signal| (trace, signal)).chain(timing)
         };
         let column = |name: &String| {
@@ -122,11 +122,47 @@ pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), Expo
     }
 }
 
-fn csv(columns: &Columns, path: &Path) -> Result<(), WriteError> {
-    let header = columns.signals().iter().map(|signal| (&*signal.name, Digits::Exact));
-    let mut table = TableWriter::create(path, header, 1000)?;
-    for row in 0..columns.len() {
-        table.push(columns.row(row))?;
+/// Writes every column of a record to `export.csv` in its folder; nothing for a run without a step.
+///
+/// # Errors
+/// The record can't be read, or the file can't be written.
+pub(crate) fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
+    let path = folder.join(EXPORT_FILES[0]);
+    let failed = |error: String| WriteError {
+        path: path.clone(),
+        action: "written",
+        source: io::Error::other(error),
+    };
+    let record = Record::read_any(folder).map_err(|error| failed(error.to_string()))?;
+    let all = Selection {
+        signals: Vec::new(),
+        every: 1,
+        from_s: f64::NEG_INFINITY,
+        until_s: f64::INFINITY,
+    };
+    match all.of(&record) {
+        Ok(columns) => write_whole_at(&path, ".export-", |path| csv(&columns, path)),
+        Err(ExportError::Nothing { .. }) => Ok(()),
+        Err(error) => Err(failed(error.to_string())),
     }
-    table.finish()
+}
+
+fn csv(columns: &Columns, path: &Path) -> Result<(), WriteError> {
+    let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
+    let file = File::create(path).map_err(error("created"))?;
+    let written = rows(columns, csv::Writer::from_writer(file));
+    written.map_err(io::Error::from).map_err(error("written"))
+}
+
+/// A NaN leaves its field empty.
+fn rows(columns: &Columns, mut table: csv::Writer<File>) -> csv::Result<()> {
+    table.write_record(columns.signals().iter().map(|signal| &*signal.name))?;
+    let mut number = zmij::Buffer::new();
+    for row in 0..columns.len() {
+        for value in columns.row(row) {
+            table.write_field(if value.is_nan() { "" } else { number.format(value) })?;
+        }
+        table.write_record(None::<&[u8]>)?;
+    }
+    Ok(table.flush()?)
 }

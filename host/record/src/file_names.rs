@@ -8,12 +8,6 @@ pub const SCENARIO_FILE: &str = "scenario.toml";
 pub const REFERENCE_FILE: &str = "reference.csv";
 /// Every sample.
 pub const SAMPLES_FILE: &str = "run.mcap";
-/// The trace.
-pub const TRACE_FILE: &str = "trace.csv";
-/// The columns of the trace.
-pub const COLUMNS_FILE: &str = "trace.json";
-/// The timing.
-pub const TIMING_FILE: &str = "timing.csv";
 /// The summary.
 pub const SUMMARY_FILE: &str = "summary.json";
 /// The error of a run without a summary.
@@ -24,24 +18,15 @@ pub const REPORT_FILE: &str = "report.html";
 pub const COMPARISON_FILE: &str = "comparison.html";
 /// The figure of `plot`.
 pub const FIGURE_FILE: &str = "record.svg";
-/// The files of `export`, one for each format.
+/// The files of `export`, one for each format. That of CSV is also the one of `run --csv`.
 pub const EXPORT_FILES: [&str; 3] = ["export.csv", "export.parquet", "export.mcap"];
 /// The link to the latest record, next to its folder.
 pub const LATEST: &str = "latest";
 
 /// Every file that a run may write, in the order in which a new record gets them. The manifest is the last: from there on
 /// the folder holds a record, whose beginning is whole.
-pub const ALL: [&str; 9] = [
-    TRACE_FILE,
-    SUMMARY_FILE,
-    FAILURE_FILE,
-    TIMING_FILE,
-    COLUMNS_FILE,
-    SAMPLES_FILE,
-    REFERENCE_FILE,
-    SCENARIO_FILE,
-    MANIFEST_FILE,
-];
+pub const ALL: [&str; 6] =
+    [SUMMARY_FILE, FAILURE_FILE, SAMPLES_FILE, REFERENCE_FILE, SCENARIO_FILE, MANIFEST_FILE];
 
 /// What other commands derive from a record and write next to it, unless they are given another name.
 pub const DERIVED: [&str; 6] =

@@ -1,7 +1,7 @@
 //! The folder of a record: it belongs to one run at a time, no record is overwritten without `--force`, and no other file ever.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Read};
+use std::io::{self, ErrorKind};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
@@ -10,9 +10,7 @@ use lashloop_bench::resume;
 use serde::Deserialize;
 use toml_edit::DocumentMut;
 
-use crate::file_names::{
-    ALL, DERIVED, LATEST, MANIFEST_FILE, REFERENCE_FILE, REPORT_FILE, SCENARIO_FILE, TRACE_FILE,
-};
+use crate::file_names::{ALL, DERIVED, LATEST, MANIFEST_FILE, REFERENCE_FILE, REPORT_FILE, SCENARIO_FILE};
 
 /// Folder in which a record begins, until all its files are there.
 const NEW: &str = ".new";
@@ -30,12 +28,10 @@ pub struct RecordFolder {
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// It has one.
-    #[error("{}: the folder holds a record ({file}); name another folder, or --force to replace it", path.display())]
+    #[error("{}: the folder holds a record ({MANIFEST_FILE}); name another folder, or --force to replace it", path.display())]
     Taken {
         /// The folder.
         path: PathBuf,
-        /// A file of the record.
-        file: &'static str,
     },
     /// A record would replace a file that belongs to none.
     #[error("{}: the folder has {file} and no record: the run would replace that file; name another folder", path.display())]
@@ -76,8 +72,8 @@ pub enum FolderError {
 /// What a folder holds.
 enum Content {
     Nothing,
-    /// A record, with a file of it.
-    Record(&'static str),
+    /// A record.
+    Record,
     /// A file with the name of one of a record, and no record.
     Foreign(&'static str),
 }
@@ -95,9 +91,9 @@ impl RecordFolder {
         complete(path).map_err(failed)?;
         let folder = Self { path: path.to_owned(), force, _lock: lock };
         match content(path) {
-            Content::Record(file) if !force => Err(FolderError::Taken { path: folder.path, file }),
+            Content::Record if !force => Err(FolderError::Taken { path: folder.path }),
             Content::Foreign(file) => Err(FolderError::Foreign { path: folder.path, file }),
-            Content::Record(_) | Content::Nothing => Ok(folder),
+            Content::Record | Content::Nothing => Ok(folder),
         }
     }
 
@@ -109,7 +105,7 @@ impl RecordFolder {
         let Ok(entries) = fs::read_dir(path) else { return Ok(()) };
         let entries = entries.flatten().filter(|entry| entry.file_name() != LATEST);
         let taken = entries.map(|entry| entry.path()).find_map(|folder| match content(&folder) {
-            Content::Record(file) if !force => Some(FolderError::Taken { path: folder, file }),
+            Content::Record if !force => Some(FolderError::Taken { path: folder }),
             _ => None,
         });
         taken.map_or(Ok(()), Err)
@@ -134,7 +130,7 @@ impl RecordFolder {
     /// It is.
     pub fn check_output(file: &Path) -> Result<(), FolderError> {
         let is_of_record = ALL.iter().any(|name| file.file_name() == Some(name.as_ref()))
-            && file.parent().is_some_and(|folder| matches!(content(folder), Content::Record(_)));
+            && file.parent().is_some_and(|folder| matches!(content(folder), Content::Record));
         if is_of_record { Err(FolderError::Recorded { path: file.to_owned() }) } else { Ok(()) }
     }
 
@@ -171,7 +167,7 @@ impl RecordFolder {
     ) -> Result<T, WriteError> {
         // Much later than the claim, if the run waited for a reader of its live page.
         let later = match content(&self.path) {
-            Content::Record(file) if !self.force => Some(file),
+            Content::Record if !self.force => Some(MANIFEST_FILE),
             Content::Foreign(file) => Some(file),
             _ => None,
         };
@@ -212,7 +208,7 @@ impl RecordFolder {
     /// Removes an earlier record and what was derived from it.
     pub(crate) fn clear(&self) -> Result<(), WriteError> {
         match content(&self.path) {
-            Content::Record(_) => {
+            Content::Record => {
                 let owned: Vec<_> = DERIVED.iter().chain(&ALL).filter(|file| self.owns(file)).collect();
                 owned.into_iter().try_for_each(|file| remove_if_present(&self.path.join(file)))
             }
@@ -262,18 +258,14 @@ fn lock(path: &Path) -> Result<Option<File>, FolderError> {
     }
 }
 
-/// A record has a manifest; one of format 1, which has neither manifest nor scenario, a trace.
+/// A record has a manifest.
 fn content(folder: &Path) -> Content {
     let has = |name: &&str| fs::symlink_metadata(folder.join(name)).is_ok();
-    let first = |names: &[&'static str]| names.iter().copied().find(|name| has(name));
     if has_manifest(folder) {
-        return Content::Record(MANIFEST_FILE);
+        return Content::Record;
     }
-    match first(&[MANIFEST_FILE, SCENARIO_FILE, REFERENCE_FILE]) {
-        Some(file) => Content::Foreign(file),
-        None if has_trace(folder) => Content::Record(TRACE_FILE),
-        None => first(&ALL).or(first(&[REPORT_FILE])).map_or(Content::Nothing, Content::Foreign),
-    }
+    let foreign = ALL.iter().rev().chain([&REPORT_FILE]).copied().find(has);
+    foreign.map_or(Content::Nothing, Content::Foreign)
 }
 
 /// What every manifest has. A file of the user may have its name.
@@ -286,15 +278,6 @@ struct ManifestHead {
 fn has_manifest(folder: &Path) -> bool {
     let text = fs::read(folder.join(MANIFEST_FILE)).unwrap_or_default();
     serde_json::from_slice::<ManifestHead>(&text).is_ok()
-}
-
-/// Whether the folder has a table that begins as every trace does.
-fn has_trace(folder: &Path) -> bool {
-    const BEGIN: &[u8] = b"time_s,reference_rad,";
-    let mut found = Vec::new();
-    let read = File::open(folder.join(TRACE_FILE))
-        .and_then(|file| file.take(BEGIN.len() as u64).read_to_end(&mut found));
-    read.is_ok() && found == BEGIN
 }
 
 /// Ends the begin of a record that a kill has cut short between its renames.

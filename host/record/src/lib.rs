@@ -5,30 +5,25 @@
 //! | `record.json` | the manifest: what was run | before the first step | [`manifest`] |
 //! | `scenario.toml` | the scenario with every key; it runs again as it is | before the first step | [`resolved`] |
 //! | `run.mcap` | every sample with all its bits, schemas inside, the other files attached | by whole chunks | [`samples`] |
-//! | `trace.csv` | what bench and drive have exchanged, rounded, one row per control step | by whole rows | [`trace`] |
-//! | `trace.json` | the columns of `trace.csv` with their units | before the first step | [`trace`] |
-//! | `timing.csv` | timing of each control step, rounded | by whole rows | [`timing`] |
 //! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
 //! | `failure.json` | in place of a summary, the error that ended the run | at the end | [`failure`] |
 //!
-//! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, and [`diff`] compares two records. Chunks and rows are
-//! written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
+//! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, [`export`] writes them in other formats, and [`diff`]
+//! compares two records. Manifest and summary are one type each, for writer and readers. Chunks are written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod columns;
 pub mod diff;
-mod digits;
 pub mod export;
 pub mod failure;
 pub mod file_names;
 pub mod folder;
 pub mod host_facts;
 pub mod manifest;
-mod mcap;
 #[cfg(feature = "parquet")]
-mod parquet;
+pub mod parquet;
 mod read_error;
 pub mod reader;
 pub mod resolved;
@@ -36,7 +31,6 @@ pub mod row;
 pub mod samples;
 pub mod source;
 pub mod summary;
-pub mod table;
 pub mod timing;
 pub mod trace;
 pub mod window;

@@ -1,9 +1,10 @@
 //! `record.json`: what was run. Written before the first step.
 
+use std::fmt;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_bench::device::{Evidence, FileHash};
@@ -23,7 +24,7 @@ use crate::host_facts::HostFacts;
 use crate::source::{Overridden, RunSource};
 use crate::summary::Versions;
 
-/// The format of the folder. Format 1 has no manifest.
+/// The format of the folder.
 pub const FORMAT: u32 = 2;
 
 /// What was run, with what, and where.
@@ -33,7 +34,7 @@ pub struct Manifest {
     pub format: u32,
     /// The words of the command line.
     pub command_line: Vec<String>,
-    /// Folder that relative paths of the command line start from; absent in older records.
+    /// Folder that relative paths of the command line start from; null if it was removed.
     pub working_directory: Option<String>,
     /// Start of the run in UTC, as RFC 3339.
     pub started: String,
@@ -81,7 +82,7 @@ pub struct Manifest {
 }
 
 /// The options of `lashloop run --clock real-time`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RealTimeOptions {
     /// Busy-waiting before each step.
     pub spin_us: u64,
@@ -96,6 +97,12 @@ pub struct RealTimeOptions {
 impl From<RealTime> for RealTimeOptions {
     fn from(RealTime { spin, fifo_priority, lock_memory, core }: RealTime) -> Self {
         Self { spin_us: spin.as_micros() as u64, fifo: fifo_priority, lock_memory, core }
+    }
+}
+
+impl From<RealTimeOptions> for RealTime {
+    fn from(RealTimeOptions { spin_us, fifo, lock_memory, core }: RealTimeOptions) -> Self {
+        Self { spin: Duration::from_micros(spin_us), fifo_priority: fifo, lock_memory, core }
     }
 }
 
@@ -147,8 +154,29 @@ impl From<ParameterValue> for Number {
     }
 }
 
+impl From<Number> for f64 {
+    fn from(number: Number) -> Self {
+        match number {
+            Number::Whole(value) => value.into(),
+            Number::Real(value) => value.into(),
+        }
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole(value) => value.fmt(out),
+            // A real number shows that it is one.
+            Self::Real(value) => write!(out, "{value:?}"),
+        }
+    }
+}
+
 impl ParameterInForce {
-    fn new(parameter: &Parameter, value: ParameterValue, of_law: bool) -> Self {
+    /// A parameter with its value at the start.
+    #[must_use]
+    pub fn new(parameter: &Parameter, value: ParameterValue, of_law: bool) -> Self {
         Self {
             name: parameter.name.clone(),
             value: value.into(),
@@ -266,5 +294,22 @@ impl Manifest {
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         let text = self.to_json();
         write_whole(&folder.join(MANIFEST_FILE), ".record-", |file| file.write_all(text.as_bytes()))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A record of format 2.
+    const PINNED: &str = include_str!("manifest/pinned.json");
+
+    pub(crate) fn manifest() -> Manifest {
+        serde_json::from_str(PINNED).expect("a manifest")
+    }
+
+    #[test]
+    fn a_manifest_reads_back_as_it_was_written() {
+        assert_eq!(manifest().to_json(), PINNED);
     }
 }

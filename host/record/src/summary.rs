@@ -1,25 +1,26 @@
 //! `summary.json`: the verdict and all that is needed to check, compare and repeat it.
 
+use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
+use indexmap::IndexMap;
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::message::Identity;
-use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::device::Evidence;
+use lashloop_bench::device::{Device, Evidence};
 use lashloop_bench::fault::log::FaultRecord;
-use lashloop_bench::scenario::RunMode;
-use lashloop_bench::timing::TimingReport;
-use lashloop_bench::verdict::{Breach, BrokenRule, JudgedExpectation, LinkCounts, Verdict};
-use lashloop_plant::metrics::{Measured, Metric, Metrics};
+use lashloop_bench::run::{End, Outcome};
+use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_session::Subscription;
+use lashloop_bench::timing::TimingReport;
+use lashloop_bench::verdict::{Breach, BrokenRuleReport, JudgedExpectation, LinkCounts, Verdict};
 
 /// Summary of a run: one JSON object with its keys in this order.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// The verdict.
     pub verdict: Verdict,
@@ -31,7 +32,7 @@ pub struct Summary {
     pub evidence: Evidence,
     /// The mode; left out in HIL mode. A run in bench mode has no truth: positions are those of the drive's encoders, the signals
     /// of the plant are NaN, and metrics that need them have no value.
-    #[serde(skip_serializing_if = "RunMode::is_hil")]
+    #[serde(default, skip_serializing_if = "RunMode::is_hil")]
     pub mode: RunMode,
     /// The control law.
     pub controller: String,
@@ -39,19 +40,19 @@ pub struct Summary {
     pub telemetry: Telemetry,
     /// Seed of every random stream of the run.
     pub seed: u64,
-    /// How the run ended: `complete`, or what interrupted it.
-    pub end: String,
+    /// How the run ended.
+    pub end: RunEnd,
     /// The rule that ended the run, if the drive broke one; left out otherwise.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub broken_rule: Option<BrokenRule>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub broken_rule: Option<BrokenRuleReport>,
     /// Why the verdict is INVALID; left out otherwise.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub breaches: Vec<Breach>,
     /// Where the recorded motion leaves the plant model; left out otherwise.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gate: Option<String>,
     /// Why the verdict is not PASS, each reason as one phrase; left out for PASS.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reasons: Vec<String>,
     /// Number of control steps.
     pub steps: u64,
@@ -59,9 +60,10 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Wall-clock time.
     pub wall_s: f64,
-    /// The metrics by name, null where there is no value; then `metrics_without_value`, the reason of each null by name.
-    #[serde(flatten, serialize_with = "with_reasons")]
-    pub metrics: Metrics,
+    /// The metrics by name, null where there is no value. Another version may have others.
+    pub metrics: IndexMap<String, Option<f64>>,
+    /// The reason of each null by name.
+    pub metrics_without_value: IndexMap<String, String>,
     /// The expectations of the scenario with the values measured.
     pub expectations: Vec<JudgedExpectation>,
     /// Counters of the link.
@@ -76,20 +78,53 @@ pub struct Summary {
     pub versions: Versions,
 }
 
-fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
-    let mut keys = serializer.serialize_map(None)?;
-    keys.serialize_entry("metrics", metrics)?;
-    keys.serialize_entry("metrics_without_value", &Reasons(metrics))?;
-    keys.end()
+/// How a run ended; a text in the file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "String", into = "String")]
+pub enum RunEnd {
+    /// After its full duration.
+    Complete,
+    /// Early, by what this says.
+    Early(String),
 }
 
-/// Why metrics have no value, by name.
-struct Reasons<'a>(&'a Metrics);
+const COMPLETE: &str = "complete";
 
-impl Serialize for Reasons<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
-        serializer.collect_map(self.0.iter().filter_map(reason))
+impl RunEnd {
+    /// What ended the run early.
+    #[must_use]
+    pub fn early(&self) -> Option<&str> {
+        match self {
+            Self::Complete => None,
+            Self::Early(what) => Some(what),
+        }
+    }
+}
+
+impl From<String> for RunEnd {
+    fn from(text: String) -> Self {
+        if text == COMPLETE { Self::Complete } else { Self::Early(text) }
+    }
+}
+
+impl From<RunEnd> for String {
+    fn from(end: RunEnd) -> Self {
+        end.to_string()
+    }
+}
+
+impl From<&End> for RunEnd {
+    fn from(end: &End) -> Self {
+        match end {
+            End::Complete => Self::Complete,
+            early => Self::Early(early.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for RunEnd {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.early().unwrap_or(COMPLETE))
     }
 }
 
@@ -109,7 +144,7 @@ pub struct Versions {
 }
 
 /// The telemetry that the drive sent.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
     /// Its period in steps; 0 for none.
     pub every_steps: u16,
@@ -140,6 +175,47 @@ impl Versions {
 }
 
 impl Summary {
+    /// The summary of a run of a scenario on a device.
+    #[must_use]
+    pub fn new(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Self {
+        let judgement = &outcome.judgement;
+        let metrics = || outcome.metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
+        Self {
+            verdict: judgement.verdict,
+            scenario: scenario.name.clone(),
+            device: device.description(),
+            evidence: device.evidence(),
+            mode: scenario.run.mode,
+            controller: scenario.controller.name.clone(),
+            telemetry: Telemetry::from(device.session.subscription()),
+            seed: scenario.run.seed,
+            end: RunEnd::from(&outcome.end),
+            broken_rule: outcome.end.broken_rule().map(BrokenRuleReport::from),
+            breaches: judgement.breaches.clone(),
+            gate: judgement.gate.clone(),
+            reasons: outcome.reasons(),
+            steps: outcome.steps,
+            simulated_s: outcome.simulated_s,
+            wall_s: outcome.wall_s,
+            metrics: metrics().map(|(name, measured)| (name, measured.value())).collect(),
+            metrics_without_value: metrics()
+                .filter_map(|(name, measured)| Some((name, measured.reason()?)))
+                .collect(),
+            expectations: judgement.expectations.clone(),
+            link: outcome.link,
+            timing: outcome.timing.clone(),
+            faults: outcome.faults.clone(),
+            torque_sha256: outcome.torque_sha256.clone(),
+            versions: Versions::of(&device.session.identity),
+        }
+    }
+
+    /// A metric; `None` without a value.
+    #[must_use]
+    pub fn metric(&self, name: &str) -> Option<f64> {
+        *self.metrics.get(name)?
+    }
+
     /// Writes the summary to a temporary file in the same directory, then renames it, so that the name stands for a complete
     /// summary.
     ///
@@ -154,22 +230,25 @@ impl Summary {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::fs;
     use std::os::unix::fs::PermissionsExt;
     use std::path::Path;
 
-    use super::{Summary, Telemetry, Versions};
+    use super::{RunEnd, Summary, Telemetry, Versions};
     use lashloop_bench::device::{Evidence, FileHash};
     use lashloop_bench::scenario::RunMode;
     use lashloop_bench::scenario::expectation::Expectation;
     use lashloop_bench::scenario::sections::Allowance;
     use lashloop_bench::timing::{ClockName, Timings};
-    use lashloop_bench::verdict::{Judgement, LinkCounts};
+    use lashloop_bench::verdict::{Judgement, LinkCounts, Verdict};
     use lashloop_plant::Signal;
     use lashloop_plant::metrics::{Measurement, Metric, Sample, SignalTable};
 
-    fn summary() -> Summary {
+    /// As this version has written it.
+    const PINNED: &str = include_str!("summary/pinned.json");
+
+    pub(crate) fn summary() -> Summary {
         let signals = |names: [&'static str; 2], units: [&'static str; 2]| {
             names.into_iter().zip(units).map(|(name, unit)| Signal::new(name, unit)).collect()
         };
@@ -193,6 +272,7 @@ mod tests {
         let settle = Expectation::of_metric(Metric::SettleTime, None, Some(2.0));
         let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
+        let named = || metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
         let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);
         Summary {
             verdict: judgement.verdict,
@@ -207,7 +287,7 @@ mod tests {
             controller: "pd".to_owned(),
             telemetry: Telemetry { every_steps: 10, signals: vec!["dead_zone_estimate_rad".to_owned()] },
             seed: 1,
-            end: "complete".to_owned(),
+            end: RunEnd::Complete,
             broken_rule: None,
             breaches: Vec::new(),
             gate: None,
@@ -215,7 +295,8 @@ mod tests {
             steps: 4,
             simulated_s: 2.0,
             wall_s: 0.25,
-            metrics,
+            metrics: named().map(|(name, it)| (name, it.value())).collect(),
+            metrics_without_value: named().filter_map(|(name, it)| Some((name, it.reason()?))).collect(),
             expectations: judgement.expectations,
             link,
             timing,
@@ -236,128 +317,27 @@ mod tests {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         summary().write(&path).expect("a summary");
-        insta::assert_snapshot!(fs::read_to_string(&path).expect("a summary"), @r#"
-        {
-          "verdict": "FAIL",
-          "scenario": "scenarios/smooth-before.toml",
-          "device": "native twin",
-          "evidence": {
-            "files": [
-              {
-                "path": "lashloop",
-                "sha256": "1111111111111111111111111111111111111111111111111111111111111111"
-              }
-            ],
-            "bench_build": "build 1234abcd",
-            "warnings": []
-          },
-          "controller": "pd",
-          "telemetry": {
-            "every_steps": 10,
-            "signals": [
-              "dead_zone_estimate_rad"
-            ]
-          },
-          "seed": 1,
-          "end": "complete",
-          "reasons": [
-            "settle_time_s: never"
-          ],
-          "steps": 4,
-          "simulated_s": 2.0,
-          "wall_s": 0.25,
-          "metrics": {
-            "settle_time_s": null,
-            "settle_time_5pct_s": null,
-            "settle_time_2pct_s": null,
-            "settle_time_1pct_s": null,
-            "settle_after_move_s": null,
-            "rise_time_s": null,
-            "static_error_rad": 0.375,
-            "hunting_rad": null,
-            "overshoot_rad": 0.0,
-            "rms_tracking_error_rad": 0.6846531968814576,
-            "peak_tracking_error_rad": 1.0,
-            "steady_velocity_error_rad": null,
-            "lost_motion_rad": null,
-            "effort_nm2s": 4.5,
-            "torque_total_variation_nm": 0.0,
-            "rms_torque_nm": 1.5,
-            "peak_torque_nm": 1.5,
-            "dead_zone_estimate_rad": 0.16,
-            "dead_zone_error_rad": 0.035,
-            "dead_zone_deviation_rad": null,
-            "dead_zone_settle_time_s": null,
-            "dead_zone_bias_rad": null,
-            "dead_zone_largest_error_rad": null,
-            "disturbing_torque_rms_error_nm": 0.0,
-            "disturbing_torque_bias_nm": 0.0
-          },
-          "metrics_without_value": {
-            "settle_time_s": "never",
-            "settle_time_5pct_s": "never",
-            "settle_time_2pct_s": "never",
-            "settle_time_1pct_s": "never",
-            "settle_after_move_s": "no move",
-            "rise_time_s": "no end of motion",
-            "hunting_rad": "run too short",
-            "steady_velocity_error_rad": "no steady velocity",
-            "lost_motion_rad": "no reversal",
-            "dead_zone_deviation_rad": "no signal drive.dead_zone_deviation_rad",
-            "dead_zone_settle_time_s": "never",
-            "dead_zone_bias_rad": "run too short",
-            "dead_zone_largest_error_rad": "never"
-          },
-          "expectations": [
-            {
-              "metric": "settle_time_s",
-              "value": null,
-              "reason": "never",
-              "unit": "s",
-              "min": null,
-              "max": 2.0,
-              "ok": false
-            }
-          ],
-          "link": {
-            "frames_sent": 4,
-            "frames_received": 4,
-            "crc_errors": 0,
-            "lost": 0,
-            "late": 0,
-            "resumes": 0,
-            "damaged_at_drive": 0,
-            "overruns_at_drive": 0
-          },
-          "timing": {
-            "clock": "lockstep",
-            "period_us": 1000,
-            "warm_up_steps": 0,
-            "steps": 0,
-            "unanswered": 0,
-            "missed": 0,
-            "longest_run_of_late": 0,
-            "lateness_us": null,
-            "round_trip_us": null,
-            "send_us": null,
-            "line_and_device_us": null,
-            "compute_us": null,
-            "receive_us": null,
-            "lateness_histogram": [],
-            "round_trip_histogram": [],
-            "refused": []
-          },
-          "faults": [],
-          "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
-          "versions": {
-            "lashloop": "0.1.0",
-            "protocol": "1",
-            "firmware": "0.1.0",
-            "firmware_build": "0123abcd",
-            "firmware_dirty": true
-          }
+        assert_eq!(fs::read_to_string(&path).expect("a summary"), PINNED);
+    }
+
+    #[test]
+    fn a_summary_reads_back_as_it_was_written() {
+        let ended = RunEnd::Early("the drive latched LoadSpeed".to_owned());
+        for written in [summary(), Summary { end: ended, mode: RunMode::Bench, ..summary() }] {
+            let text = serde_json::to_string(&written).expect("JSON");
+            let read: Summary = serde_json::from_str(&text).expect("a summary");
+            assert_eq!(serde_json::to_string(&read).expect("JSON"), text);
+            assert_eq!((&read.end, read.mode, read.verdict), (&written.end, written.mode, Verdict::Fail));
         }
-        "#);
+    }
+
+    #[test]
+    fn a_summary_of_a_later_version_reads_with_its_further_metrics() {
+        let mut later = serde_json::to_value(summary()).expect("JSON");
+        later["metrics"]["settle_time_3pct_s"] = 0.5.into();
+        later["weather"] = "fair".into();
+        let read: Summary = serde_json::from_value(later).expect("a summary");
+        assert_eq!(read.metric("settle_time_3pct_s"), Some(0.5));
     }
 
     #[test]

@@ -1,14 +1,10 @@
-//! `timing.csv`: timing of each control step, one row each, in whole us. Apart from the trace, because timing differs from run to run.
+//! The timing of each control step, one row each, in us. Apart from the trace, because timing differs from run to run.
 
-use std::path::Path;
 use std::time::Duration;
 
-use crate::digits::Digits;
-use crate::file_names::TIMING_FILE;
-use crate::row::{Row, row};
-use crate::table::TableWriter;
-use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::timing::{StepOutcome, StepTiming};
+
+use crate::row::row;
 
 /// One control step. The parts of the round trip are NaN in a step without an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,38 +57,6 @@ impl TimingRow {
             compute_us: part(trip.map(|trip| trip.compute).or(timing.tick_compute)),
             receive_us: part(trip.map(|trip| trip.receive)),
         }
-    }
-}
-
-/// Writes the timing of steps.
-#[derive(Debug)]
-pub struct TimingWriter(TableWriter);
-
-impl TimingWriter {
-    /// Creates `timing.csv` in `folder`, in place of an older one. `flush_rows` is the number of rows per chunk.
-    ///
-    /// # Errors
-    /// The file can't be created or written.
-    pub fn create(folder: &Path, flush_rows: u32) -> Result<Self, WriteError> {
-        // The first one is the number of the row.
-        let header = TimingRow::COLUMNS.iter().skip(1).map(|(name, _)| (*name, Digits::Decimals(0)));
-        TableWriter::create(&folder.join(TIMING_FILE), header, flush_rows).map(Self)
-    }
-
-    /// Appends a row.
-    ///
-    /// # Errors
-    /// As [`TableWriter::push`].
-    pub fn push(&mut self, row: &TimingRow) -> Result<(), WriteError> {
-        self.0.push(row.values().skip(1))
-    }
-
-    /// Writes the pending rows.
-    ///
-    /// # Errors
-    /// The rows can't be written.
-    pub fn finish(self) -> Result<(), WriteError> {
-        self.0.finish()
     }
 }
 

@@ -7,6 +7,7 @@ use lashloop_bench::run::{Event, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::SignalTable;
 
+use crate::export;
 use crate::failure::Failure;
 use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::folder::RecordFolder;
@@ -15,14 +16,14 @@ use crate::resolved;
 use crate::samples::SampleWriter;
 use crate::source::RunSource;
 use crate::summary::Summary;
-use crate::timing::{TimingRow, TimingWriter};
-use crate::trace::TraceWriter;
 
 /// Writes a record: what was run before the first step, every step, and the summary at the end. Dropped before the end, it
 /// leaves a record without a summary, with every step so far.
 pub struct RecordWriter {
     folder: RecordFolder,
     source: RunSource,
+    /// Whether CSV is written too.
+    csv: bool,
     /// Created at the start, when the signals are known.
     files: Option<Files>,
 }
@@ -31,7 +32,13 @@ impl RecordWriter {
     /// Writes to this folder.
     #[must_use]
     pub fn new(folder: RecordFolder, source: RunSource) -> Self {
-        Self { folder, source, files: None }
+        Self { folder, source, csv: false, files: None }
+    }
+
+    /// With `csv`, [`finish`](Self::finish) writes the record as CSV too: `export.csv`, as `lashloop export` does.
+    #[must_use]
+    pub fn with_csv(self, csv: bool) -> Self {
+        Self { csv, ..self }
     }
 
     /// The folder.
@@ -60,9 +67,10 @@ impl RecordWriter {
     /// A file can't be written.
     pub fn finish(self, summary: &Summary) -> Result<(), WriteError> {
         match self.files {
-            Some(files) => files.finish(&self.folder, summary),
-            None => summary.write(&self.folder.path().join(SUMMARY_FILE)),
+            Some(files) => files.finish(&self.folder, summary)?,
+            None => return summary.write(&self.folder.path().join(SUMMARY_FILE)),
         }
+        if self.csv { export::csv_in_folder(self.folder.path()) } else { Ok(()) }
     }
 }
 
@@ -79,10 +87,8 @@ impl StepObserver for RecordWriter {
     }
 
     fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
-        if let Some(files) = &mut self.files {
-            files.push_event(step, event);
-        }
-        Ok(())
+        let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push_event(step, event));
+        pushed.map_err(|error| self.folder.named(error))
     }
 
     fn failed(&mut self, error: &RunError) {
@@ -109,7 +115,7 @@ impl Beginning {
         }
     }
 
-    /// Replaces what the folder holds, once the first chunk of each file is written. `first_step` is the number of the first
+    /// Replaces what the folder holds, once the head of the samples is written. `first_step` is the number of the first
     /// step to come.
     pub(crate) fn write(&self, folder: &RecordFolder, first_step: u64) -> Result<Files, WriteError> {
         let files = folder.begin(|path| self.write_files(path, first_step))?;
@@ -128,13 +134,10 @@ impl Beginning {
         resolved::write(path, &resolved)?;
         let mut attached = vec![(MANIFEST_FILE, manifest.to_json())];
         attached.extend(resolved);
-        let flush_rows = scenario.record.flush_rows;
         let period_us = scenario.run.control_period_us;
         let files = Files {
             samples: SampleWriter::create(path, signals, period_us, first_step, &attached)?,
-            trace: TraceWriter::create(path, signals, &scenario.encoders, flush_rows)?,
-            timing: TimingWriter::create(path, flush_rows)?,
-            flush_rows: flush_rows.into(),
+            flush_rows: scenario.record.flush_rows.into(),
             next_step: first_step,
         };
         manifest.write(path)?;
@@ -142,36 +145,27 @@ impl Beginning {
     }
 }
 
-/// The files that grow.
+/// The file that grows.
 pub(crate) struct Files {
     samples: SampleWriter,
-    trace: TraceWriter,
-    timing: TimingWriter,
     flush_rows: u64,
     next_step: u64,
 }
 
 impl Files {
     pub(crate) fn push(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.samples.push(step);
-        self.trace.push(step)?;
-        self.timing.push(&TimingRow::new(self.next_step, &step.timing))?;
+        self.samples.push(step)?;
         self.next_step += 1;
         if self.next_step.is_multiple_of(self.flush_rows) { self.samples.flush() } else { Ok(()) }
     }
 
-    pub(crate) fn push_event(&mut self, step: u32, event: &Event) {
-        self.samples.push_event(step, event);
+    pub(crate) fn push_event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        self.samples.push_event(step, event)
     }
 
     pub(crate) fn finish(self, folder: &RecordFolder, summary: &Summary) -> Result<(), WriteError> {
-        let Self { samples, trace, timing, .. } = self;
         let text = serde_json::to_string_pretty(summary).unwrap_or_default();
-        let ended = trace
-            .finish()
-            .and_then(|()| timing.finish())
-            .and_then(|()| samples.finish((SUMMARY_FILE, &text)));
-        ended.map_err(|error| folder.named(error))?;
+        self.samples.finish((SUMMARY_FILE, &text)).map_err(|error| folder.named(error))?;
         summary.write(&folder.path().join(SUMMARY_FILE))
     }
 }

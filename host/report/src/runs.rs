@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use lashloop_record::columns::Columns;
-use lashloop_record::reader::{ReadError, Record, Table};
+use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::timing::TimingRow;
 use lashloop_record::trace::TIME;
 
@@ -96,7 +96,7 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
     if panels.is_empty() {
         panels = chosen::together(&sources, &["*".to_owned()])?;
     }
-    if selection.panels.is_empty() && captures.is_empty() && runs.iter().any(|run| run.timing.is_some()) {
+    if selection.panels.is_empty() && captures.is_empty() {
         panels.push(round_trip(&runs));
     }
     let columns = panels.len().min(2);
@@ -168,8 +168,8 @@ struct Run<'a> {
     /// The first row in the range.
     first_row: usize,
     shown: Columns,
-    /// All rows. After a killed run it may be shorter than the trace, because the two files are written in turn.
-    timing: Option<Vec<TimingRow>>,
+    /// All rows.
+    timing: Vec<TimingRow>,
     /// Time of the last row of the record.
     end_s: f64,
 }
@@ -181,14 +181,14 @@ impl<'a> Run<'a> {
         record: &'a Record,
         shown_s: &RangeInclusive<f64>,
     ) -> Result<Self, ReadError> {
-        let time_s = record.trace.column(TIME)?;
+        let time_s = record.column(TIME)?;
         for column in ["reference_rad", "load_position_rad", "torque_nm"] {
-            record.trace.column(column)?;
+            record.column(column)?;
         }
         let end = time_s.partition_point(|time_s| time_s <= shown_s.end());
         let first_row = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
-        let shown = record.trace.columns.select(|row| (first_row..end).contains(&row));
-        let timing = record.timing.as_ref().map(Table::rows::<TimingRow>).transpose()?;
+        let shown = record.trace.select(|row| (first_row..end).contains(&row));
+        let timing = record.timing.rows();
         let role = Role::Line { colour: number, dash: number };
         let end_s = time_s.last().copied().unwrap_or(f64::NAN);
         Ok(Self { role, name, record, first_row, shown, timing, end_s })
@@ -216,10 +216,10 @@ impl<'a> Run<'a> {
     }
 
     fn caption(&self) -> String {
-        let Record { trace, timing: timing_table, summary, .. } = self.record;
+        let Record { manifest, trace, summary, is_torn, .. } = self.record;
         let mut text = match summary {
             Some(it) => {
-                let end = if it.end == "complete" { String::new() } else { format!(", {}", it.end) };
+                let end = it.end.early().map(|end| format!(", {end}")).unwrap_or_default();
                 format!(
                     "{}: {} with {} on {}: {}{end}.",
                     self.name, it.scenario, it.controller, it.device, it.verdict
@@ -227,26 +227,16 @@ impl<'a> Run<'a> {
             }
             None => format!("{}: no summary, so the run ended without a verdict.", self.name),
         };
-        if summary.as_ref().is_some_and(|it| !it.mode.is_hil()) {
+        if !manifest.mode.is_hil() {
             text += " Positions are those of the drive's encoders; a bench has no truth.";
         }
         text += &format!(" {} steps", trace.len());
-        match &self.timing {
-            None => text += "; timing.csv is missing.",
-            Some(timing) => {
-                let known = timing.len();
-                if known < trace.len() {
-                    text += &format!("; timing.csv covers {known} of them");
-                }
-                match timing.iter().filter(|row| row.answered == 0.0).count() {
-                    0 if known == 0 => text += ".",
-                    0 => text += ", all answered.",
-                    count => text += &format!(", {count} without an answer in time."),
-                }
-            }
+        match self.timing.iter().filter(|row| row.answered == 0.0).count() {
+            0 => text += ", all answered.",
+            count => text += &format!(", {count} without an answer in time."),
         }
-        if trace.is_torn || timing_table.as_ref().is_some_and(|table| table.is_torn) {
-            text += " The last row of the record is incomplete and ignored.";
+        if *is_torn {
+            text += " The last chunk of the record is incomplete and ignored.";
         }
         text
     }
@@ -266,7 +256,7 @@ fn of_all(
 
 fn round_trip(runs: &[Run<'_>]) -> Panel {
     of_all(runs, "Round trip", Axis::new("sample to torque", "us"), |run| {
-        let timing = run.timing.iter().flatten().skip(run.first_row).take(run.shown.len());
+        let timing = run.timing.iter().skip(run.first_row).take(run.shown.len());
         Some(timing.map(round_trip_us).collect())
     })
 }
@@ -300,8 +290,8 @@ fn position(runs: &[Run<'_>]) -> Panel {
         let faults = run.record.summary.iter().flat_map(|summary| &summary.faults);
         let time_s = run.time_s();
         let marks = faults.filter_map(|fault| {
-            let row = row_of_step(run.record, fault.step as u64)?.checked_sub(run.first_row)?;
-            Some((&fault.kind, *time_s.get(row)?, *load_rad.get(row)?))
+            let row = row_of_step(run.record, fault.step)?.checked_sub(run.first_row)?;
+            Some((&*fault.kind, *time_s.get(row)?, *load_rad.get(row)?))
         });
         let marks: Vec<_> = marks.take(MARKED).collect();
         panel = panel.series(run.series(load_rad.clone()));

@@ -5,13 +5,10 @@ use lashloop_record::timing::TimingRow;
 use lashloop_record::trace::TIME;
 
 /// The row of a step. A record may begin after the start of its run, so a step is found by its time; `None` outside.
-pub(crate) fn row_of_step(record: &Record, step: u64) -> Option<usize> {
-    let times_s = record.trace.column(TIME).ok()?;
-    let period_s = match &record.manifest {
-        Some(manifest) => f64::from(manifest.period_us) * 1e-6,
-        None => times_s.get(1)? - times_s[0],
-    };
-    let at_s = step as f64 * period_s;
+pub(crate) fn row_of_step(record: &Record, step: u32) -> Option<usize> {
+    let times_s = record.trace.get(TIME)?;
+    let period_s = f64::from(record.manifest.period_us) * 1e-6;
+    let at_s = f64::from(step) * period_s;
     let row = times_s.partition_point(|time_s| *time_s < at_s - period_s / 2.0);
     times_s.get(row).filter(|time_s| (*time_s - at_s).abs() < period_s / 2.0).map(|_| row)
 }

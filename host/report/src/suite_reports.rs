@@ -130,9 +130,9 @@ mod tests {
             let result = CaseResult::without_run(&case.name, Status::DeviceOrLink, Vec::new());
             tally.add(CaseResult { record: Some(record), ..result });
         }
-        fs::write(folder.path().join("damaged/trace.csv"), "time_s,torque_nm\n0,x\n").expect("a trace");
+        fs::write(folder.path().join("damaged/record.json"), "{").expect("a manifest");
         let unreadable = write_reports(&tally).expect("nothing is written");
         let errors: Vec<_> = unreadable.iter().map(ToString::to_string).collect();
-        assert!(errors.len() == 1 && errors[0].contains("damaged/trace.csv:2: torque_nm"), "{errors:?}");
+        assert!(errors.len() == 1 && errors[0].contains("damaged/record.json: is not the manifest"), "{errors:?}");
     }
 }

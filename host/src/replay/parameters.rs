@@ -2,40 +2,20 @@
 
 use lashloop_bench::device::Device;
 use lashloop_protocol::parameter_names::WATCHDOG_US;
+use lashloop_record::manifest::ParameterInForce;
 use lashloop_session::{SetError, WrittenValue};
-use serde::Deserialize;
-use serde_json::Value;
 
 use super::error::ReplayError;
 
 /// The parameters in force of a record.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(transparent)]
-pub struct RecordedParameters(Vec<RecordedParameter>);
-
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-struct RecordedParameter {
-    name: String,
-    value: Value,
-    /// Name of the value, for a parameter with choices. Another firmware may number them differently.
-    #[serde(default)]
-    choice: Option<String>,
-    /// Whether the law in force has it. What only other laws have is of no effect.
-    #[serde(default = "yes")]
-    of_law: bool,
-}
-
-fn yes() -> bool {
-    true
-}
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedParameters(Vec<ParameterInForce>);
 
 impl RecordedParameters {
-    /// Those of a manifest that the law in force has; `None` if it has none.
+    /// Those that the law in force has: what only other laws have is of no effect.
     #[must_use]
-    pub fn of(manifest: &Value) -> Option<Self> {
-        let Self(mut parameters) = serde_json::from_value(manifest.get("parameters")?.clone()).ok()?;
-        parameters.retain(|it| it.of_law);
-        Some(Self(parameters))
+    pub fn of(parameters: &[ParameterInForce]) -> Self {
+        Self(parameters.iter().filter(|it| it.of_law).cloned().collect())
     }
 
     /// Number of parameters.
@@ -56,11 +36,12 @@ impl RecordedParameters {
     /// # Errors
     /// The firmware lacks a parameter or a value, or the session failed.
     pub fn apply(&self, device: &mut Device, watchdog_us: f64) -> Result<(), ReplayError> {
-        for RecordedParameter { name, value, choice, .. } in &self.0 {
+        for ParameterInForce { name, value, choice, .. } in &self.0 {
+            // Another firmware may number its choices differently.
             let written = match choice {
                 _ if name == WATCHDOG_US => WrittenValue::Number(watchdog_us),
                 Some(choice) => WrittenValue::Name(choice),
-                None => WrittenValue::Number(value.as_f64().unwrap_or(f64::NAN)),
+                None => WrittenValue::Number((*value).into()),
             };
             device.session.set(name, written).map_err(|error| {
                 let is_known = device.session.parameter(name).is_some();

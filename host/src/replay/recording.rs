@@ -3,6 +3,7 @@
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_record::diff::RecordFiles;
+use lashloop_record::reader::Record;
 
 use super::error::ReplayError;
 
@@ -47,14 +48,10 @@ impl Recording {
     /// The record lacks the samples, or begins in the middle of a run.
     pub fn new(files: &RecordFiles) -> Result<Self, ReplayError> {
         let missing = |what, remedy| ReplayError::Missing { record: files.name.clone(), what, remedy };
-        if files.is_in_bench_mode() {
+        let Record { manifest, trace: columns, timing, summary, .. } = &files.record;
+        if !manifest.mode.is_hil() {
             return Err(missing("samples", "its drive read its own encoders in bench mode"));
         }
-        if !files.has_every_bit {
-            let remedy = "trace.csv is rounded: repeat the run with `lashloop rerun`";
-            return Err(missing("run.mcap", remedy));
-        }
-        let columns = &files.record.trace.columns;
         let sent = [MOTOR_COUNTS, LOAD_COUNTS, REFERENCE].map(|name| columns.get(name));
         let ([Some(motor), Some(load), Some(reference)], Some(times_s), Some(torques_nm)) =
             (sent, columns.get("time_s"), columns.get("torque_nm"))
@@ -62,15 +59,13 @@ impl Recording {
             let remedy = "run.mcap of a run by this version has them: repeat the run with `lashloop rerun`";
             return Err(missing("samples as they were sent", remedy));
         };
-        let answered = files.record.timing.as_ref().and_then(|timing| timing.columns.get("answered"));
-        let answered =
-            answered.ok_or_else(|| missing("timing.csv", "it names the steps that were answered"))?;
+        let answered = timing.get("answered").unwrap_or_default();
         let period_s = match times_s {
             [first_s, second_s, ..] => second_s - first_s,
             _ => return Err(missing("two steps", "a replay needs the start of a run")),
         };
         let rows = times_s.len().min(answered.len());
-        let resumes = files.resumes();
+        let resumes = summary.as_ref().map(|it| it.link.resumes);
         let steps = Vec::with_capacity(rows);
         let mut recording = Self { steps, origin: 0, period_s, missed: 0, resumes, ends_before: None };
         let was_resumed = resumes.is_some_and(|resumes| resumes > 0);

@@ -62,9 +62,18 @@ pub struct Rig {
 /// `[port]`: how the drive is reached.
 #[derive(Debug, Clone)]
 pub struct Port {
-    pub device: DeviceChoice,
+    pub(crate) device: DeviceChoice,
     /// Bits per second of a serial port.
     pub baud: u32,
+}
+
+impl Port {
+    /// The device without the limits of the rig: for a handshake, a description, flashing. A run takes the rig as a whole, by
+    /// [`Execution`](crate::Execution).
+    #[must_use]
+    pub fn without_limits(&self) -> &DeviceChoice {
+        &self.device
+    }
 }
 
 /// `[encoders]`: the encoders on the pins of the drive.

@@ -1,12 +1,9 @@
 //! The limits of a rig, held against a scenario before anything is opened.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use lashloop_bench::scenario::bench::TORQUE_PER_RAD_NM;
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
 use lashloop_bench::scenario::{RunMode, Scenario, ScenarioError, ScenarioErrors};
-use lashloop_firmware::control::open_loop::OpenLoop;
-use lashloop_firmware::law::ControlLaw as _;
 use lashloop_plant::reference::Reference;
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
@@ -63,15 +60,15 @@ pub enum LimitError {
 }
 
 impl Rig {
-    /// Checks a scenario before anything is opened.
+    /// Checks what a scenario sets, before anything is opened. Whether its reference is a position isn't known yet.
     ///
     /// # Errors
-    /// As [`Limits::check`]; in bench mode the rig needs the scale of its amplifier.
+    /// As [`Limits::check_parameters`]; in bench mode the rig needs the scale of its amplifier.
     pub fn allows(&self, scenario: &Scenario) -> Result<(), LimitError> {
         if !scenario.run.mode.is_hil() && self.power_stage.torque_per_duty_nm.is_none() {
             return Err(LimitError::NoScale { rig: self.file.clone() });
         }
-        self.limits.check(scenario, &self.file)
+        self.limits.check_parameters(scenario, &self.file)
     }
 }
 
@@ -117,11 +114,11 @@ impl Limits {
         reduced
     }
 
-    /// Checks the parameters and the reference of a scenario. `rig` is the rig file, for messages.
+    /// Checks the parameters of a scenario. `rig` is the rig file, for messages.
     ///
     /// # Errors
-    /// Every parameter beyond its limit; else the first limit that the reference exceeds.
-    pub fn check(&self, scenario: &Scenario, rig: &std::path::Path) -> Result<(), LimitError> {
+    /// Every parameter beyond its limit.
+    pub fn check_parameters(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
         let limits = self.of_drive(scenario.run.mode);
         let exceeded_by = |setting: &ParameterSetting| {
             let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
@@ -134,13 +131,14 @@ impl Limits {
             exceeded_by(setting).map(|reason| ScenarioError::of_bench(setting, reason))
         });
         let exceeded: Vec<_> = of_law.chain(of_bench).collect();
-        if !exceeded.is_empty() {
-            return Err(ScenarioErrors::from(exceeded).into());
-        }
-        if takes_torque(scenario) {
-            // The drive limits the torque; in bench mode the run ends where the load leaves the travel.
-            return Ok(());
-        }
+        if exceeded.is_empty() { Ok(()) } else { Err(ScenarioErrors::from(exceeded).into()) }
+    }
+
+    /// Checks the reference of a scenario whose law takes it as a position. `rig` is the rig file, for messages.
+    ///
+    /// # Errors
+    /// The first limit that the reference exceeds.
+    pub fn check_reference(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
         let extremes = Extremes::of(scenario);
         let error = |key, reached, largest, unit| LimitError::Reference {
             scenario: scenario.name.clone(),
@@ -164,7 +162,7 @@ impl Limits {
 
 impl DriveLimit {
     /// The reason against a value beyond the limit.
-    fn exceeded_by(&self, setting: &ParameterSetting, rig: &std::path::Path) -> Option<String> {
+    fn exceeded_by(&self, setting: &ParameterSetting, rig: &Path) -> Option<String> {
         let Self { key, largest, unit, .. } = self;
         match setting.value {
             ParameterValue::Number(number) if number > *largest => {
@@ -173,12 +171,6 @@ impl DriveLimit {
             _ => None,
         }
     }
-}
-
-/// Whether the reference of a scenario is a torque: that of `open-loop`, or of a law with its parameter.
-fn takes_torque(scenario: &Scenario) -> bool {
-    let controller = &scenario.controller;
-    controller.name == OpenLoop::NAME || controller.parameters.iter().any(|it| it.name == TORQUE_PER_RAD_NM)
 }
 
 /// The extremes of a reference during a run.
@@ -213,8 +205,6 @@ impl Extremes {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     fn scenario(settings: &[&str]) -> Scenario {
@@ -234,7 +224,9 @@ mod tests {
     }
 
     fn check(limits: &Limits, settings: &[&str]) -> Result<(), String> {
-        limits.check(&scenario(settings), Path::new("rig.toml")).map_err(|error| error.to_string())
+        let (scenario, rig) = (scenario(settings), Path::new("rig.toml"));
+        let checked = limits.check_parameters(&scenario, rig);
+        checked.and_then(|()| limits.check_reference(&scenario, rig)).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -259,7 +251,7 @@ mod tests {
             let mode = format!("run.mode={mode}");
             crate::Bench::new().scenario(path, &[&[&*mode], set].concat()).expect("a scenario")
         };
-        let check = |scenario: &Scenario| limits().check(scenario, Path::new("rig.toml"));
+        let check = |scenario: &Scenario| limits().check_parameters(scenario, Path::new("rig.toml"));
         let watchdog = ["controller.parameters.watchdog_us=60000"];
         assert!(check(&scenario("hil", &watchdog)).is_ok() && check(&scenario("bench", &[])).is_ok());
         for (set, key) in [
@@ -272,16 +264,6 @@ mod tests {
     }
 
     #[test]
-    fn a_reference_that_is_a_torque_is_no_travel() {
-        let limits = Limits { load_travel_rad: 0.49, ..limits() };
-        assert!(check(&limits, &SINE).is_err());
-        assert_eq!(
-            check(&limits, &[&SINE[..], &["controller.name=open-loop", "controller.parameters={}"]].concat()),
-            Ok(())
-        );
-    }
-
-    #[test]
     fn a_reduced_scenario_is_allowed_and_keeps_what_was_within() {
         let limits = Limits { torque_nm: 5.0, motor_speed_rad_s: Some(90.0), ..limits() };
         let set = [
@@ -291,7 +273,7 @@ mod tests {
         let mut scenario = scenario(&set);
         let notes = limits.reduce(&mut scenario);
         assert_eq!(notes, ["torque_limit_nm is 5 N m by limits.torque_nm, not 5.01"]);
-        assert!(limits.check(&scenario, Path::new("rig.toml")).is_ok());
+        assert!(limits.check_parameters(&scenario, Path::new("rig.toml")).is_ok());
         assert!(limits.reduce(&mut scenario).is_empty());
     }
 
@@ -323,6 +305,6 @@ mod tests {
         assert!(error.contains("allows limits.load_speed_rad_s = 1.56 rad/s"), "{error}");
         let mut step = scenario(&[]);
         step.reference = Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 };
-        assert!(fast(0.1).check(&step, Path::new("rig.toml")).is_ok());
+        assert!(fast(0.1).check_reference(&step, Path::new("rig.toml")).is_ok());
     }
 }

@@ -7,16 +7,15 @@ use lashloop_bench::device::Device as OpenDevice;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, RunStart, Step, StepObserver};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::{ClockName, StepOutcome};
-use lashloop_protocol::enums::ParameterValue;
 use lashloop_record::diff::Agreement;
+use lashloop_record::manifest::{Number, ParameterInForce};
 use own_law::OwnLaws;
-use serde_json::{Value, json};
 
 /// What a record keeps of a run for its replay.
 #[derive(Default)]
 struct Recorder {
     recording: Recording,
-    parameters: Vec<Value>,
+    parameters: Vec<ParameterInForce>,
 }
 
 impl StepObserver for Recorder {
@@ -25,15 +24,7 @@ impl StepObserver for Recorder {
         let law =
             session.laws.iter().find(|law| law.name == start.scenario.controller.name).expect("the law");
         let of_law = session.parameters.iter().filter(|it| it.laws.contains(law.index));
-        let value = of_law.map(|it| {
-            let in_force = session.in_force(it);
-            let value = match in_force {
-                ParameterValue::U32(value) => json!(value),
-                ParameterValue::F32(value) => json!(value),
-            };
-            json!({"name": it.name, "value": value, "choice": it.choice(in_force)})
-        });
-        self.parameters = value.collect();
+        self.parameters = of_law.map(|it| ParameterInForce::new(it, session.in_force(it), true)).collect();
         Ok(())
     }
 
@@ -63,8 +54,7 @@ fn recorded(scenario: &Scenario) -> (Recording, RecordedParameters) {
     let mut recorder = Recorder::default();
     recorder.recording.period_s = 1e-3;
     run::run(scenario, &mut opened.expect("a drive"), Clock::Lockstep, &mut recorder).expect("a run");
-    let parameters = RecordedParameters::of(&json!({"parameters": recorder.parameters}));
-    (recorder.recording, parameters.expect("parameters"))
+    (recorder.recording, RecordedParameters::of(&recorder.parameters))
 }
 
 fn replayed(
@@ -75,6 +65,12 @@ fn replayed(
     let supervisor = Supervisor::without_signals(None).expect("a thread");
     let mut device = OpenDevice::open(device, scenario.link.baud, &supervisor).expect("a drive");
     replay(recording, parameters, &scenario.link, None, &mut device, || false)
+}
+
+/// A parameter of the law in force.
+fn parameter(name: &str, value: Number, choice: Option<&str>) -> ParameterInForce {
+    let (unit, choice) = (String::new(), choice.map(str::to_owned));
+    ParameterInForce { name: name.to_owned(), value, choice, unit, default: value, of_law: true }
 }
 
 fn own_laws() -> Device {
@@ -143,18 +139,22 @@ fn missed_steps_stay_missed_and_unanswered_samples_are_sent() {
 fn parameter_that_the_firmware_lacks_is_named_before_any_sample() {
     let scenario = scenario(&[]);
     let (recording, _) = recorded(&scenario);
-    let parameters =
-        |value: Value| RecordedParameters::of(&json!({"parameters": value})).expect("parameters");
-    for (value, part) in [
-        (json!([{"name": "brake_gain", "value": 1.5}]), "inproc has no parameter brake_gain, which was 1.5"),
+    for (parameter, part) in [
         (
-            json!([{"name": "controller", "value": 4, "choice": "braking-curve"}]),
+            parameter("brake_gain", Number::Real(1.5), None),
+            "inproc has no parameter brake_gain, which was 1.5",
+        ),
+        (
+            parameter("controller", Number::Whole(4), Some("braking-curve")),
             "does not take controller = braking-curve",
         ),
-        (json!([{"name": "torque_limit_nm", "value": -1.0}]), "does not take torque_limit_nm = -1.0"),
+        (
+            parameter("torque_limit_nm", Number::Real(-1.0), None),
+            "does not take torque_limit_nm = -1.0",
+        ),
     ] {
-        let error =
-            replayed(&scenario, &(recording.clone(), parameters(value)), &own_laws()).expect_err(part);
+        let parameters = RecordedParameters::of(&[parameter]);
+        let error = replayed(&scenario, &(recording.clone(), parameters), &own_laws()).expect_err(part);
         assert!(error.to_string().contains(part), "{error}");
     }
 }
@@ -164,10 +164,11 @@ fn fault_that_only_the_replay_latches_is_a_difference() {
     let scenario = scenario(&[]);
     let (recording, _) = recorded(&scenario);
     // The load moves at 3 rad/s and more.
-    let strict = json!({"parameters": [
-        {"name": "controller", "value": 1, "choice": "merzouki"}, {"name": "motor_speed_limit_rad_s", "value": 1.0}
-    ]});
-    let run = (recording, RecordedParameters::of(&strict).expect("parameters"));
+    let strict = [
+        parameter("controller", Number::Whole(1), Some("merzouki")),
+        parameter("motor_speed_limit_rad_s", Number::Real(1.0), None),
+    ];
+    let run = (recording, RecordedParameters::of(&strict));
     let result = replayed(&scenario, &run, &own_laws()).expect("a replay");
     assert!(
         result.agreement() == Agreement::Different

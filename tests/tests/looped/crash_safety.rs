@@ -6,7 +6,6 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use lashloop_record::reader::Table;
 use rustix::process::Signal;
 use tests::paper::RUNS;
 use tests::program::Running;
@@ -81,7 +80,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
     for flush_rows in [1, 100, 1000] {
         let records = Records::new();
         fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
-        fs::write(records.path("trace.csv"), "time_s,reference_rad,\n").expect("the trace of an earlier run");
+        fs::write(records.path("record.json"), "{\"format\": 2}\n").expect("the manifest of an earlier run");
         let setting = format!("record.flush_rows={flush_rows}");
         let (code, stderr) = with_files_up_to(400, &records, &[&setting]);
         assert_eq!(code, Some(2), "{stderr}");
@@ -92,12 +91,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
             "{rows} rows with {setting}"
         );
         assert_eq!(records.timing().len(), rows);
-        let rows_of_table = Table::read(&records.path("trace.csv")).expect("a table").len();
-        assert!(
-            rows_of_table.abs_diff(rows) <= flush_rows,
-            "{rows_of_table} rows in trace.csv, {rows} steps with {setting}"
-        );
-        assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new trace");
+        assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new samples");
     }
 }
 
@@ -115,7 +109,7 @@ fn a_disk_full_at_the_start_is_named_before_the_run() {
     let (code, stderr) = with_files_up_to(0, &records, &[]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("record/scenario.toml: cannot be written: File too large"), "{stderr}");
-    assert!(before.len() == 8 && before == files(), "the earlier record has changed: {:?}", files().keys());
+    assert!(before.len() == 5 && before == files(), "the earlier record has changed: {:?}", files().keys());
 }
 
 #[test]
@@ -128,7 +122,7 @@ fn a_summary_that_does_not_fit_leaves_whole_samples() {
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
     let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
-    assert_eq!(files.len(), 6, "all but the summary: {files:?}");
+    assert_eq!(files.len(), 3, "all but the summary: {files:?}");
     let ended = program::run(["export", &records.out(), "--to", "csv"]).with_code(0);
     assert!(
         ended.stderr.contains("interrupted: no summary.json, 2 steps reached the disk"),
@@ -152,7 +146,7 @@ fn a_record_is_replaced_by_force_only_and_latest_follows() {
         refused.stderr
     );
     let _ = run(&["--force", "--set", "run.seed=5"]).with_code(0);
-    assert_eq!(records.record().manifest.expect("a manifest").seed, 5);
+    assert_eq!(records.record().manifest.seed, 5);
     let latest = records.path("../latest").canonicalize().expect("a link");
     assert_eq!(latest, records.path("").canonicalize().expect("the folder"));
 }
@@ -176,7 +170,7 @@ fn a_refused_run_keeps_the_record_of_an_earlier_run() {
         ])
     };
     let files = || {
-        ["record.json", "run.mcap", "trace.csv", "trace.json", "timing.csv", "summary.json"]
+        ["record.json", "run.mcap", "summary.json"]
             .map(|name| fs::read(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
     };
     let _ = run(25).with_code(0);

@@ -71,7 +71,7 @@ fn an_inapplicable_fault_is_rejected_before_the_run() {
     let want = "lashloop: fault device-hang at 2 s can't be applied here: only a drive that the bench runs can be suspended: \
                 use --device inproc, native or qemu, or link-stall\n";
     assert_eq!(ended.stderr, want);
-    for file in ["trace.csv", "trace.json", "timing.csv", "summary.json"] {
+    for file in ["record.json", "run.mcap", "summary.json"] {
         assert!(!records.path(file).exists(), "{file} of a run that did not begin");
     }
 }

@@ -1,4 +1,4 @@
-//! `summary.json` and `trace.csv` as a whole.
+//! `summary.json` and the columns of a run as a whole.
 
 use tests::paper::{PATIENCE, RUNS};
 use tests::program;

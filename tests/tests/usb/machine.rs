@@ -220,22 +220,24 @@ pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) 
     machine.start_lashloop(User::Root, &words)
 }
 
-/// Time for the first rows of a run, in seconds of the guest.
-const ROWS_LIMIT_S: u32 = 60;
+/// Time for the first chunks of a run, in seconds of the guest.
+const CHUNKS_LIMIT_S: u32 = 60;
 
-/// Waits until a run has written rows.
+/// Waits until the samples of a run grow.
 pub(crate) fn await_run(machine: &mut Machine) {
-    machine.await_file(&format!("{OUT}/trace.csv"));
+    let samples = format!("{OUT}/run.mcap");
+    machine.await_file(&samples);
     let began_s = machine.seconds();
-    while machine.seconds() - began_s < ROWS_LIMIT_S {
-        let table = machine.read_if_present(&format!("{OUT}/trace.csv"));
-        if table.is_some_and(|table| table.lines().count() > 1) {
+    let length = |machine: &mut Machine| machine.read_if_present(&samples).map_or(0, |text| text.len());
+    let first = length(machine);
+    while machine.seconds() - began_s < CHUNKS_LIMIT_S {
+        if length(machine) > first {
             return;
         }
         // Each look is work for the guest.
         thread::sleep(Duration::from_millis(100));
     }
-    panic!("no rows in trace.csv within {ROWS_LIMIT_S} s of the guest's clock");
+    panic!("no steps in run.mcap within {CHUNKS_LIMIT_S} s of the guest's clock");
 }
 
 /// Waits for the end of a run.

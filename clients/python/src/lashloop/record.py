@@ -4,7 +4,6 @@
 |---|---|
 | `record.json` | what was run: command line, scenario, overrides, parameters, host, versions |
 | `run.mcap` | every step with all its bits: positions, torque, signals of plant and drive, timing |
-| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, with units; older records have no `run.mcap` |
 | `summary.json` | verdict, metrics, expectations, counters of the link; absent if the run was interrupted |
 """
 
@@ -57,10 +56,10 @@ class Record:
     """Every column of the run; `record["torque_nm"]` is short for `record.trace["torque_nm"]`."""
     units: Mapping[str, str]
     """Unit of each column; empty for a pure number."""
-    timing: Table | None
-    """Timing of each step in us, if the run has recorded it."""
+    timing: Table
+    """Timing of each step in us."""
     manifest: Mapping[str, Any]
-    """`record.json`: what was run; empty for a record of an older version."""
+    """`record.json`: what was run."""
     summary: Mapping[str, Any]
     """`summary.json`; empty if the run was interrupted."""
 
@@ -68,14 +67,14 @@ class Record:
     def read(cls, folder: str | os.PathLike[str]) -> Record:
         """Read the record in a folder; `RecordError` names the file that can't be read."""
         path = Path(folder)
-        samples, summary, manifest = path / "run.mcap", path / "summary.json", path / "record.json"
-        trace, units, timing = _samples(samples) if samples.exists() else _tables(path)
+        manifest, samples = _json(path / "record.json"), Samples.read(path / "run.mcap")
+        summary = path / "summary.json"
         return cls(
             folder=path,
-            trace=trace,
-            units=units,
-            timing=timing,
-            manifest=_json(manifest) if manifest.exists() else {},
+            trace=samples.trace,
+            units=samples.units,
+            timing=samples.timing,
+            manifest=manifest,
             summary=_summary(summary) if summary.exists() else {},
         )
 
@@ -120,28 +119,6 @@ class Record:
     ) -> Figure:
         """Draw columns over time: one diagram for each unit, or all of them into `axes`. Requires matplotlib."""
         return draw(self.trace, self.units, columns, from_s, to_s, axes)
-
-
-def _samples(path: Path) -> tuple[Table, dict[str, str], Table | None]:
-    samples = Samples.read(path)
-    return samples.trace, samples.units, samples.timing
-
-
-def _tables(folder: Path) -> tuple[Table, dict[str, str], Table | None]:
-    """Read a record without samples from its tables."""
-    trace = Table.read(folder / "trace.csv")
-    units = _units(folder / "trace.json")
-    if list(units) != list(trace):
-        raise RecordError(folder / "trace.json", "lists other columns than trace.csv: the files are of two runs")
-    timing = folder / "timing.csv"
-    return trace, units, Table.read(timing) if timing.exists() else None
-
-
-def _units(path: Path) -> dict[str, str]:
-    try:
-        return {str(it["name"]): str(it["unit"]) for it in _json(path)["columns"]}
-    except (KeyError, TypeError):
-        raise RecordError(path, "is not a list of columns with their units") from None
 
 
 def _summary(path: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A table of numbers with named columns, as the files `trace.csv` and `timing.csv` of a record."""
+"""A table of numbers with named columns, as in a record or in the CSV of `lashloop export`."""
 
 from __future__ import annotations
 

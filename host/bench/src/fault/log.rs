@@ -1,12 +1,14 @@
 //! The log of injected faults.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 /// A fault that was injected.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultRecord {
     /// Name of its kind.
-    pub kind: &'static str,
+    pub kind: Cow<'static, str>,
     /// The step in which it began.
     pub step: u32,
     /// The first step after it; `None` if it lasted to the end. A cut and a hang last in the link's time.

@@ -120,7 +120,7 @@ impl TimedFault {
             Progress::Active { since, .. } => (since, None),
             Progress::Over { since, until } => (since, until),
         };
-        Some(FaultRecord { kind: self.kind.name(), step, until_step, frames })
+        Some(FaultRecord { kind: self.kind.name().into(), step, until_step, frames })
     }
 }
 

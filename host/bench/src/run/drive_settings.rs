@@ -127,8 +127,9 @@ fn law<'s>(scenario: &Scenario, session: &'s Session) -> Result<&'s Law, Scenari
     })
 }
 
-/// Whether the law of a scenario takes its reference as a torque.
-pub(super) fn takes_torque(scenario: &Scenario, session: &Session) -> bool {
+/// Whether the law of a scenario takes its reference as a torque, by the drive's description.
+#[must_use]
+pub fn takes_torque(scenario: &Scenario, session: &Session) -> bool {
     law(scenario, session).is_ok_and(|law| commands_torque(session, law))
 }
 

@@ -55,6 +55,7 @@ mod waiting_time;
 
 pub use clock::Clock;
 pub use device_under_test::DeviceUnderTest;
+pub use drive_settings::takes_torque;
 pub use error::RunError;
 pub use event::Event;
 pub use outcome::{End, Outcome};

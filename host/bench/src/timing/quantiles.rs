@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use hdrhistogram::Histogram;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Longer times are clamped to this; every timeout of the bench is shorter.
 const LONGEST: Duration = Duration::from_mins(2);
@@ -49,7 +49,7 @@ fn microseconds(nanoseconds: u64) -> f64 {
 }
 
 /// Quantiles of a duration in microseconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantiles {
     /// Median.
     pub p50: f64,

@@ -103,7 +103,7 @@ impl Timings {
 }
 
 /// The timing of a run.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimingReport {
     /// What paced it.
     pub clock: ClockName,

@@ -3,8 +3,7 @@
 use std::fmt;
 
 use lashloop_protocol::enums::State;
-use serde::Serialize;
-use serde::ser::{SerializeStruct, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// A rule for torque answers, with the values that break it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,17 +147,35 @@ impl fmt::Display for BrokenRule {
     }
 }
 
-impl Serialize for BrokenRule {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { rule, step, sequence } = self;
-        let mut keys = serializer.serialize_struct("BrokenRule", 7)?;
-        keys.serialize_field("side", "drive")?;
-        keys.serialize_field("rule", rule.number())?;
-        keys.serialize_field("requirement", rule.requirement())?;
-        keys.serialize_field("step", step)?;
-        keys.serialize_field("sequence", sequence)?;
-        keys.serialize_field("value", &rule.value())?;
-        keys.serialize_field("limit", &rule.limit())?;
-        keys.end()
+/// A broken rule in words, as a summary has it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrokenRuleReport {
+    /// The side that broke it: the drive.
+    pub side: String,
+    /// Number of the rule in docs/protocol.md.
+    pub rule: String,
+    /// What the rule requires.
+    pub requirement: String,
+    /// Step of the run whose sample the drive answered.
+    pub step: u32,
+    /// Sequence of the answer.
+    pub sequence: u16,
+    /// What the answer has.
+    pub value: String,
+    /// What it may have.
+    pub limit: String,
+}
+
+impl From<BrokenRule> for BrokenRuleReport {
+    fn from(BrokenRule { rule, step, sequence }: BrokenRule) -> Self {
+        Self {
+            side: "drive".to_owned(),
+            rule: rule.number().to_owned(),
+            requirement: rule.requirement().to_owned(),
+            step,
+            sequence,
+            value: rule.value(),
+            limit: rule.limit(),
+        }
     }
 }

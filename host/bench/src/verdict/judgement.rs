@@ -1,8 +1,9 @@
 //! Judging a run by its scenario.
 
+use std::borrow::Cow;
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::exit::Verdict;
 use crate::number::Apart;
@@ -12,7 +13,7 @@ use crate::timing::{ClockName, Quantiles, TimingReport};
 use lashloop_plant::metrics::{Measured, Metrics, Quantity, Window};
 
 /// Counters of the link during a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LinkCounts {
     /// Frames sent to the drive.
     pub frames_sent: u64,
@@ -33,7 +34,7 @@ pub struct LinkCounts {
 }
 
 /// An expectation and what its quantity came out as.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JudgedExpectation {
     /// The metric, or the signal and its statistic.
     #[serde(flatten)]
@@ -43,8 +44,8 @@ pub struct JudgedExpectation {
     pub window: Option<Window>,
     /// Its value; null in a summary if the run has none, and then never `ok`.
     pub value: Measured,
-    /// Why there is no value.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Why there is no value; a summary has the reason here alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The quantity's unit.
     pub unit: String,
@@ -72,18 +73,24 @@ impl JudgedExpectation {
             ok: value.value().is_some_and(within),
         }
     }
+
+    /// What is judged: the quantity, with its window if it has one.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self.window {
+            Some(window) => format!("{}, {window}", self.quantity),
+            None => self.quantity.to_string(),
+        }
+    }
 }
 
 impl fmt::Display for JudgedExpectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { quantity, window, value, unit, min, max, ok, .. } = self;
-        write!(f, "{quantity}")?;
-        if let Some(window) = window {
-            write!(f, ", {window}")?;
-        }
+        let Self { value, reason, unit, min, max, ok, .. } = self;
+        f.write_str(&self.name())?;
         match value.value() {
             Some(value) => write!(f, ": {} {unit}", Apart::new(value, *min, *max))?,
-            None => write!(f, ": {value}")?,
+            None => write!(f, ": {}", reason.as_deref().unwrap_or("no value"))?,
         }
         write!(f, "; {} ", if *ok { "meets" } else { "misses" })?;
         match (min, max) {
@@ -96,10 +103,10 @@ impl fmt::Display for JudgedExpectation {
 }
 
 /// A count of the link or a figure of timing beyond what the scenario allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Breach {
     /// The key of `[allow]`.
-    pub what: &'static str,
+    pub what: Cow<'static, str>,
     /// The run's figure; `None` if the run has none, which meets no limit.
     pub counted: Option<u64>,
     /// The limit.
@@ -189,7 +196,7 @@ fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Ve
         ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
     ]
     .into_iter()
-    .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what, counted, allowed }))
+    .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what: what.into(), counted, allowed }))
     .filter(|breach| breach.counted.is_none_or(|counted| counted > breach.allowed))
     .collect()
 }

@@ -14,7 +14,7 @@ mod answer_rule;
 mod exit;
 mod judgement;
 
-pub use answer_rule::{AnswerRule, BrokenRule};
+pub use answer_rule::{AnswerRule, BrokenRule, BrokenRuleReport};
 pub use exit::{Exit, Verdict};
 pub use judgement::{Breach, JudgedExpectation, Judgement, LinkCounts};
 

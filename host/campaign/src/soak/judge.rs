@@ -44,7 +44,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
 fn uncounted(outcome: &Outcome) -> Option<String> {
     let damaging = ["link-bit-flip", "link-byte-loss"];
     let hits: u64 = (outcome.faults.iter())
-        .filter(|fault| damaging.contains(&fault.kind))
+        .filter(|fault| damaging.contains(&&*fault.kind))
         .filter_map(|fault| fault.frames)
         .sum();
     let LinkCounts { crc_errors, damaged_at_drive, .. } = outcome.link;
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn uncounted_damage_is_wrong() {
-        let hit = FaultRecord { kind: "link-bit-flip", step: 0, until_step: Some(9), frames: Some(3) };
+        let hit = FaultRecord { kind: "link-bit-flip".into(), step: 0, until_step: Some(9), frames: Some(3) };
         let run = Outcome { faults: vec![hit], ..outcome(Verdict::Pass, LinkCounts::default()) };
         assert!(wrong_with(&run).is_some_and(|why| why.contains("none was counted")));
         let at_drive = LinkCounts { damaged_at_drive: 3, ..LinkCounts::default() };

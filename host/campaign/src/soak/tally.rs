@@ -6,7 +6,8 @@ use std::time::Duration;
 use super::plan::SHARES;
 use super::resource_usage::{self, Growth, Usage};
 use super::{judge, plan};
-use lashloop_bench::run::{End, Outcome, RunError};
+use lashloop::execution::ExecutionError;
+use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Verdict;
 
@@ -44,7 +45,7 @@ impl Tally {
     pub fn push(
         &mut self,
         scenario: &Scenario,
-        result: &Result<Outcome, RunError>,
+        result: &Result<Outcome, ExecutionError>,
         bench: Usage,
         drive: &Growth,
     ) {

@@ -23,8 +23,14 @@ pub struct Check {
 
 impl From<&JudgedExpectation> for Check {
     fn from(judged: &JudgedExpectation) -> Self {
-        let JudgedExpectation { quantity, window, value, unit, min, max, ok, .. } = judged;
-        let name = window.map_or_else(|| quantity.to_string(), |window| format!("{quantity}, {window}"));
-        Self { name, value: value.value(), min: *min, max: *max, unit: unit.clone(), ok: *ok }
+        let JudgedExpectation { value, unit, min, max, ok, .. } = judged;
+        Self {
+            name: judged.name(),
+            value: value.value(),
+            min: *min,
+            max: *max,
+            unit: unit.clone(),
+            ok: *ok,
+        }
     }
 }

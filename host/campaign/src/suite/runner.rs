@@ -3,17 +3,16 @@
 use std::path::Path;
 use std::{fs, io};
 
+use lashloop::execution::{Execution, ExecutionError, Finished};
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::Device;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, StepObserver};
+use lashloop_bench::run::{Clock, End, Outcome, RunError};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_plant::Plants;
 use lashloop_record::file_names::LATEST;
 use lashloop_record::folder::{FolderError, RecordFolder};
 use lashloop_record::source::RunSource;
-use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::case_result::{CaseResult, Status};
@@ -28,8 +27,6 @@ pub struct Runner<'a> {
     pub records: Option<&'a Path>,
     /// Keep the records of passes too.
     pub keeps_passes: bool,
-    /// The summary of a run.
-    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
     /// Settings of every scenario, for the record.
     pub overrides: &'a [Override],
     pub plants: &'a Plants,
@@ -48,7 +45,7 @@ impl Runner<'_> {
             Ok((_, outcome)) if outcome.end == End::Interrupted => None,
             // A signal to the whole group of processes ends drives too.
             Err(_) if stop.asked() => None,
-            Err(RunError::Record(error)) => return Err(error),
+            Err(ExecutionError::Run(RunError::Record(error))) => return Err(error),
             Ok((device, outcome)) => Some(CaseResult::of_run(&case.name, device, &outcome)),
             Err(error) => {
                 let status = match error.exit() {
@@ -89,19 +86,14 @@ impl Runner<'_> {
     fn run_scenario(
         &self,
         scenario: &Scenario,
-        mut record: Option<RecordWriter>,
+        record: Option<RecordWriter>,
         stop: &Stop<'_>,
-    ) -> Result<(String, Outcome), RunError> {
-        let mut device =
-            DeviceUnderTest::open(scenario, self.device, self.clock.name(), stop.supervisor, |link| link)?;
+    ) -> Result<(String, Outcome), ExecutionError> {
         let mut stopper = stop;
-        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut stopper];
-        observers.extend(record.as_mut().map(|record| record as &mut dyn StepObserver));
-        let outcome = run::run(scenario, &mut device, self.clock, &mut Observers(observers))?;
-        if let Some(record) = record {
-            record.finish(&(self.summary)(scenario, &device.device, &outcome))?;
-        }
-        Ok((device.device.description(), outcome))
+        let execution = Execution::new(scenario.clone(), self.device.into()).clock(self.clock);
+        let made = execution.watch(&mut stopper).record(record).run(stop.supervisor)?;
+        let Finished { outcome, summary, .. } = made.finish()?;
+        Ok((summary.device, outcome))
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::samples;
 use crate::support::{lashloop, root, text};
 
 /// Folders with records of 0.2 s.
@@ -102,7 +103,7 @@ fn interrupted_record_is_compared_up_to_its_last_row() {
         runs.run("a", &["--set", "record.flush_rows=50"]),
         runs.run("b", &["--set", "record.flush_rows=50"]),
     );
-    interrupt(&b, 100);
+    interrupt(&b);
     let (_, comparison) = json(&a, &b, &[]);
     let compared = comparison["coverage"]["compared"].as_u64().unwrap();
     assert!([50, 100, 150].contains(&compared), "whole chunks: {compared}");
@@ -115,41 +116,27 @@ fn interrupted_record_is_compared_up_to_its_last_row() {
     assert_eq!(diff(&a, &b, &["--until", "0.04"]).0, Some(0), "both have this part");
 }
 
-/// Leaves what a run leaves that is killed after this many rows.
-fn interrupt(folder: &Path, rows: usize) {
+/// Leaves what a run leaves that is killed in its midst.
+fn interrupt(folder: &Path) {
     fs::remove_file(folder.join("summary.json")).unwrap();
-    for name in ["trace.csv", "timing.csv"] {
-        let table = fs::read_to_string(folder.join(name)).unwrap();
-        let kept: Vec<_> = table.lines().take(rows + 1).collect();
-        fs::write(folder.join(name), kept.join("\n") + "\n0.1,").unwrap();
-    }
-    if let Ok(samples) = fs::read(folder.join("run.mcap")) {
-        fs::write(folder.join("run.mcap"), &samples[..samples.len() / 2]).unwrap();
-    }
+    let samples = fs::read(folder.join("run.mcap")).unwrap();
+    fs::write(folder.join("run.mcap"), &samples[..samples.len() / 2]).unwrap();
 }
 
-/// Makes tables alone of a record, as of a run in real time that had no torque in time at this row, if any, and ended so.
-fn in_real_time(folder: &Path, late: Option<usize>, rows: usize, end: &str) {
-    fs::remove_file(folder.join("run.mcap")).unwrap();
+/// Makes a record one of a run in real time that had no torque in time in this step, if any, and ended so after some steps.
+fn in_real_time(folder: &Path, late: Option<u64>, steps: u64, end: &str) {
     for (name, key, value) in [("record.json", "clock", "real-time"), ("summary.json", "end", end)] {
         let mut file: Value = serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap();
         file[key] = value.into();
         fs::write(folder.join(name), file.to_string()).unwrap();
     }
-    for name in ["trace.csv", "timing.csv"] {
-        let text = fs::read_to_string(folder.join(name)).unwrap();
-        let answered = text.lines().next().unwrap().split(',').position(|column| column == "answered");
-        let line = |(number, line): (usize, &str)| match answered {
-            Some(at) if Some(number) == late.map(|row| row + 1) => {
-                let mut fields: Vec<_> = line.split(',').collect();
-                fields[at] = "0";
-                fields.join(",")
-            }
-            _ => line.to_owned(),
-        };
-        let lines: Vec<_> = text.lines().enumerate().take(rows + 1).map(line).collect();
-        fs::write(folder.join(name), lines.join("\n") + "\n").unwrap();
-    }
+    samples::rewrite(folder, |message| {
+        let step = samples::step(message);
+        if Some(step) == late && message.channel.topic == "/step" {
+            samples::unanswer(message);
+        }
+        step < steps
+    });
 }
 
 #[test]
@@ -158,8 +145,7 @@ fn run_in_real_time_that_ended_early_or_otherwise_is_different() {
     let (a, b) = (runs.run("a", &[]), runs.run("b", &[]));
     in_real_time(&a, Some(100), 200, "complete");
     let whole = fs::read(b.join("run.mcap")).unwrap();
-    let tables = ["trace.csv", "timing.csv"].map(|name| (name, fs::read(b.join(name)).unwrap()));
-    for (rows, end, want) in [
+    for (steps, end, want) in [
         (200, "complete", 0),
         (200, "the drive latched LoadSpeed", 1),
         (150, "the drive latched LoadSpeed", 1),
@@ -167,11 +153,10 @@ fn run_in_real_time_that_ended_early_or_otherwise_is_different() {
         (150, "complete", 0),
     ] {
         fs::write(b.join("run.mcap"), &whole).unwrap();
-        tables.iter().for_each(|(name, table)| fs::write(b.join(name), table).unwrap());
-        in_real_time(&b, None, rows, end);
+        in_real_time(&b, None, steps, end);
         let (code, printed) = diff(&a, &b, &["--deterministic"]);
         assert!(printed.contains("Judged until 0.1 s"), "{printed}");
-        assert_eq!(code, Some(want), "{rows} rows, {end}: {printed}");
+        assert_eq!(code, Some(want), "{steps} steps, {end}: {printed}");
     }
 }
 

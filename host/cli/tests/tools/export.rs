@@ -40,3 +40,14 @@ fn full_disk_leaves_the_older_export() {
     assert_eq!(fs::read_to_string(record.join("export.csv")).unwrap(), "older\n");
     assert_eq!(files(), before, "a part is left");
 }
+
+#[test]
+fn run_with_csv_has_the_same_table_at_once() {
+    let runs = Runs::new();
+    let record = runs.run("a", &["--csv"]);
+    let at_once = fs::read(record.join("export.csv")).unwrap();
+    assert_eq!(lashloop(&["export", record.to_str().unwrap(), "--to", "csv"], &[]).status.code(), Some(0));
+    assert!(at_once == fs::read(record.join("export.csv")).unwrap());
+    assert_eq!(text(&at_once).lines().count(), 201, "a header and a row for each step");
+    assert!(!runs.run("b", &[]).join("export.csv").exists());
+}

@@ -152,7 +152,7 @@ fn a_reader_gets_every_extreme_of_the_run_and_its_end() {
     assert_eq!((buckets[0][0], buckets[1][0]), (0.0, 0.002));
     let columns = received.texts[0]["columns"].as_array().unwrap();
     let column = columns.iter().position(|column| column["name"] == "torque_nm").unwrap();
-    let torques_nm = trace.column("torque_nm").unwrap();
+    let torques_nm = trace.get("torque_nm").unwrap();
     assert_eq!(torques_nm.len(), 2 * buckets.len());
     for (bucket, pair) in buckets.iter().zip(torques_nm.chunks_exact(2)) {
         let extremes = [pair[0].min(pair[1]) as f32, pair[0].max(pair[1]) as f32];

@@ -12,6 +12,7 @@ mod plot;
 mod progress;
 mod report;
 mod rerun;
+mod samples;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use crate::samples;
 use crate::support::{lashloop, root, text};
 
 /// Folders with records of 0.1 s.
@@ -17,13 +18,6 @@ impl Runs {
 
     fn folder(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
-    }
-
-    /// A record without its samples, so that its tables are what a reader has.
-    fn tables(&self, name: &str, settings: &[&str]) -> PathBuf {
-        let out = self.run(name, settings);
-        fs::remove_file(out.join("run.mcap")).unwrap();
-        out
     }
 
     fn run(&self, name: &str, settings: &[&str]) -> PathBuf {
@@ -98,21 +92,6 @@ fn folders_with_equal_names_are_labelled_by_path() {
 }
 
 #[test]
-fn steps_without_timing_are_not_counted_as_answered() {
-    let runs = Runs::new();
-    let one = runs.tables("one", &[]);
-    let timing = fs::read_to_string(one.join("timing.csv")).unwrap();
-    let lines: Vec<_> = timing.lines().collect();
-    for (rows, text_shown) in [(0, "timing.csv covers 0 of them."), (40, "covers 40 of them, all answered.")]
-    {
-        fs::write(one.join("timing.csv"), lines[..=rows].join("\n") + "\n").unwrap();
-        plot(&[&one]).unwrap();
-        let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-        assert!(svg.contains(text_shown), "no {text_shown:?}: {svg}");
-    }
-}
-
-#[test]
 fn only_the_selected_range_is_plotted() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
@@ -126,45 +105,38 @@ fn only_the_selected_range_is_plotted() {
 }
 
 #[test]
-fn killed_run_is_plotted_up_to_its_last_whole_row() {
+fn killed_run_is_plotted_up_to_its_last_whole_chunk() {
     let runs = Runs::new();
-    let one = runs.tables("one", &[]);
+    let one = runs.run("one", &["record.flush_rows=20"]);
     fs::remove_file(one.join("summary.json")).unwrap();
-    fs::remove_file(one.join("timing.csv")).unwrap();
-    let trace = fs::read(one.join("trace.csv")).unwrap();
-    fs::write(one.join("trace.csv"), &trace[..trace.len() - 40]).unwrap();
+    let samples = fs::read(one.join("run.mcap")).unwrap();
+    fs::write(one.join("run.mcap"), &samples[..samples.len() * 2 / 3]).unwrap();
     plot(&[&one]).unwrap();
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-    for words in [
-        "ended without a verdict",
-        "99 steps",
-        "timing.csv is missing",
-        "last row of the record is incomplete",
-    ] {
+    for words in ["ended without a verdict", "0 steps, all answered", "last chunk of the record is incomplete"] {
         assert!(svg.replace("</tspan>", " ").contains(words), "no {words:?}: {svg}");
     }
 }
 
 #[test]
-fn malformed_record_is_named_by_file_and_line() {
+fn unusable_record_is_named_by_its_file() {
     let runs = Runs::new();
     let nowhere = runs.folder("nowhere");
     let error = plot(&[&nowhere]).unwrap_err();
-    assert!(error.contains("nowhere/trace.csv: can't be read: No such file"), "{error}");
+    assert!(error.contains("nowhere/record.json: can't be read: No such file"), "{error}");
 
-    let one = runs.tables("one", &[]);
-    let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
-    fs::write(one.join("trace.csv"), trace.replacen("\n0.001,", "\nsoon,", 1)).unwrap();
+    let one = runs.run("one", &[]);
+    samples::rename(&one, "torque_nm", "torpor_nm");
     let error = plot(&[&one]).unwrap_err();
-    assert!(error.contains("trace.csv:3: time_s is \"soon\"; it must be a number"), "{error}");
+    assert!(error.contains("run.mcap: there is no column torque_nm"), "{error}");
 
-    fs::write(one.join("trace.csv"), trace.lines().next().unwrap().to_owned() + "\n").unwrap();
+    samples::rewrite(&one, |_| false);
     let error = plot(&[&one]).unwrap_err();
-    assert!(error.contains("trace.csv: has no rows"), "{error}");
+    assert!(error.contains("run.mcap: has no rows"), "{error}");
 
-    fs::write(one.join("trace.csv"), trace.replacen("torque_nm", "torpor_nm", 1)).unwrap();
+    fs::write(one.join("run.mcap"), "no samples").unwrap();
     let error = plot(&[&one]).unwrap_err();
-    assert!(error.contains("trace.csv: there is no column torque_nm"), "{error}");
+    assert!(error.contains("run.mcap: is no MCAP file"), "{error}");
 }
 
 #[test]
@@ -188,9 +160,8 @@ fn any_signal_gets_a_panel_with_its_unit() {
 #[test]
 fn record_without_gap_and_estimator_has_the_other_panels() {
     let runs = Runs::new();
-    let one = runs.tables("one", &["telemetry.every_steps=0"]);
-    let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
-    fs::write(one.join("trace.csv"), trace.replacen("twist_rad", "bend_rad", 1)).unwrap();
+    let one = runs.run("one", &["telemetry.every_steps=0"]);
+    samples::rename(&one, "twist_rad", "bend_rad");
     plot(&[&one]).unwrap();
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
     assert!(svg.contains("Control torque") && !svg.contains("no data"), "{svg}");

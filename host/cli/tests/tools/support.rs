@@ -74,7 +74,7 @@ pub fn short_run() -> Run {
     let ended = lashloop(&["run", scenario, "--set", &duration, "--out", out, "--capture", file], &[]);
     // A run this short misses its expectations; only its record matters here.
     assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
-    let torques_nm = Record::read(folder.path()).unwrap().trace.column("torque_nm").unwrap().to_vec();
+    let torques_nm = Record::read(folder.path()).unwrap().trace.get("torque_nm").unwrap().to_vec();
     Run { _folder: folder, capture, torques_nm }
 }
 

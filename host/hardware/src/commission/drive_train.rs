@@ -4,22 +4,18 @@ use std::io;
 use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{
-    self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, RunStart, Step, StepObserver,
-};
+use lashloop_bench::device::Device;
+use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
-use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
 use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
+use lashloop::execution::{ExecutionError, OpenDrive};
 use crate::identify::record::{NoSeries, counts, directions_in_force, series};
-use crate::rig_check::check_board;
-use lashloop::rig::Rig;
-use lashloop::rig::drive_settings::MissingParameter;
+
 
 /// Why a motion could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -27,9 +23,7 @@ pub enum MotionError {
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
     #[error(transparent)]
-    Run(#[from] RunError),
-    #[error(transparent)]
-    Rig(#[from] MissingParameter),
+    Run(#[from] ExecutionError),
     /// The drive or the user ended it.
     #[error("{motion}: {end}; the torque is off")]
     Ended { motion: String, end: String },
@@ -62,35 +56,17 @@ pub struct RunRecord<'a> {
 pub struct OnDevice<'a> {
     /// The scenario of a motion with these settings.
     pub scenario: &'a dyn Fn(&[String]) -> Result<Scenario, ScenarioErrors>,
-    pub device: &'a DeviceChoice,
-    pub clock: Clock,
-    pub supervisor: &'a Supervisor,
+    /// The drive of all motions: in bench mode each motion starts where the one before has ended, and the encoders count on
+    /// from the power-up.
+    pub drive: OpenDrive<'a>,
     pub instruments: Instruments,
     pub period_s: f64,
-    /// The rig whose settings every motion has.
-    pub rig: Option<&'a Rig>,
     /// Folder for the tables of torques.
     pub folder: &'a Path,
     /// What records the run of this name; `None` for no record.
     pub writer: &'a dyn Fn(&str) -> Result<Option<RecordWriter>, RecordError>,
     /// Called with every run, before the next motion.
     pub record: &'a mut dyn FnMut(RunRecord<'_>) -> Result<(), RecordError>,
-    /// The drive of all motions: in bench mode each motion begins where the one before has ended, and the encoders count on
-    /// from the power-up. `None` before the first motion.
-    pub drive: Option<DeviceUnderTest>,
-}
-
-impl OnDevice<'_> {
-    /// The drive, opened for the scenario of the first motion.
-    fn take_drive(&mut self, scenario: &Scenario) -> Result<DeviceUnderTest, RunError> {
-        match self.drive.take() {
-            Some(opened) => Ok(opened),
-            None => {
-                let clock = self.clock.name();
-                Ok(DeviceUnderTest::open(scenario, self.device, clock, self.supervisor, |link| link)?)
-            }
-        }
-    }
 }
 
 impl DriveTrain for OnDevice<'_> {
@@ -102,33 +78,23 @@ impl DriveTrain for OnDevice<'_> {
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let mut scenario = (self.scenario)(&settings)?;
         scenario::explain_twist(&mut scenario, motion.twist_rad);
-        let mut device = self.take_drive(&scenario)?;
-        if let Some(rig) = self.rig {
-            check_board(rig, &device.device).map_err(RunError::from)?;
-            let _ = rig.limits.reduce(&mut scenario);
-            rig.complete(&mut scenario, &device.device.session.parameters)?;
-            // The guard holds the travel, from the load's position at the first motion on.
-            scenario.bench.load_travel_limit_rad = None;
-        }
-        let (supervisor, instruments) = (self.supervisor, self.instruments);
+        let instruments = self.instruments;
         let (columns, in_force) = (Columns::default(), [Direction::Forward; 2]);
-        let mut watch = Watch { columns, guard, halt: None, in_force, instruments, supervisor };
+        let mut watch = Watch { columns, guard, halt: None, in_force, instruments };
         let name = &motion.name;
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
         let mut observers: Vec<&mut dyn StepObserver> = vec![&mut watch];
         observers.extend(writer.as_mut().map(|it| it as &mut dyn StepObserver));
-        let outcome = run::run(&scenario, &mut device, self.clock, &mut Observers(observers))?;
+        let outcome = self.drive.run(&mut scenario, observers)?;
         let Watch { columns, guard, halt, in_force, .. } = watch;
-        // An error ends the commissioning, and this the session.
-        let device = self.drive.insert(device);
         if halt == Some(Halt::NotAtRest) {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);
             return discarded
                 .map(|()| None)
                 .map_err(|error| MotionError::Record(RecordError(Box::new(error))));
         }
-        let record =
-            RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, writer, halt };
+        let device = self.drive.device();
+        let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt };
         (self.record)(record).map_err(MotionError::Record)?;
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
@@ -141,17 +107,16 @@ impl DriveTrain for OnDevice<'_> {
 
 /// Keeps the columns and gives every step to the guard. A halt ends the run within two periods: a step is complete only
 /// with the telemetry after it.
-struct Watch<'a> {
+struct Watch {
     columns: Columns,
     guard: Guard,
     halt: Option<Halt>,
     /// Directions that the drive has in force. Guard and series count as the encoders are wired.
     in_force: [Direction; 2],
     instruments: Instruments,
-    supervisor: &'a Supervisor,
 }
 
-impl StepObserver for Watch<'_> {
+impl StepObserver for Watch {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         let session = &start.device.session;
         self.in_force = directions_in_force(start.scenario.run.mode, |name| {
@@ -174,6 +139,6 @@ impl StepObserver for Watch<'_> {
     }
 
     fn stop_asked(&self) -> bool {
-        self.halt.is_some() || self.supervisor.interrupted()
+        self.halt.is_some()
     }
 }

@@ -1,5 +1,8 @@
 //! A commissioning as runs of the drive in this process.
 
+use lashloop::commission::{OnDevice, settings};
+use lashloop::execution::OpenDrive;
+use lashloop::identify::files::{drive_toml, plant_toml, table};
 use lashloop::{Bench, Scenario};
 use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::{Override, RunMode, ScenarioErrors};
@@ -34,18 +37,17 @@ fn commissioned(
     let folder = tempfile::tempdir().expect("a folder");
     let supervisor = Supervisor::without_signals(None).expect("threads");
     let instruments = Instruments::exact(4000, 4000, 1000);
+    let device = Bench::new().device("inproc").expect("a device");
+    let mut template = scenario(&[]).expect("a scenario");
+    let drive = OpenDrive::open(&mut template, (&device).into(), Clock::Lockstep, &supervisor);
     let mut drive_train = OnDevice {
         scenario: &scenario,
-        device: &Bench::new().device("inproc").expect("a device"),
-        clock: Clock::Lockstep,
-        supervisor: &supervisor,
+        drive: drive.expect("a drive"),
         instruments,
         period_s: 1e-3,
-        rig: None,
         folder: folder.path(),
         writer: &|_| Ok(None),
         record: &mut |_| Ok(()),
-        drive: None,
     };
     commission(&mut drive_train, &instruments, limits, 1000, &Start::default())
 }

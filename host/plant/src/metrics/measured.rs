@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use serde::ser::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The value of a metric or a statistic, or the reason for its absence. Serialised as a number or null.
+/// The value of a metric or a statistic, or the reason for its absence. Serialised as a number or null, which reads back as
+/// [`NotMeasured`](Self::NotMeasured).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
     /// A finite number in the metric's unit.
@@ -83,5 +84,11 @@ impl fmt::Display for Measured {
 impl Serialize for Measured {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.value().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Measured {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Option::deserialize(deserializer)?.map_or(Self::NotMeasured, Self::Value))
     }
 }

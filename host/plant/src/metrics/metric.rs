@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::ser::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::after_move::SettlingAfterMove;
 use super::channel::Channel;
@@ -35,12 +35,18 @@ const DISTURBING_TORQUE: (&str, &str) = ("drive.disturbing_torque_estimate_nm", 
 macro_rules! metrics {
     ($( $(#[doc = $doc:literal])+ $metric:ident = $name:literal in $unit:literal by $new:expr; )+) => {
         /// A quantity by which a run is judged, with the error e = load position - reference.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        pub enum Metric { $( $(#[doc = $doc])+ $metric, )+ }
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum Metric { $( $(#[doc = $doc])+ #[serde(rename = $name)] $metric, )+ }
 
         impl Metric {
             /// Every metric, in the order of reports.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$metric),+];
+
+            /// The metric of this name.
+            #[must_use]
+            pub fn named(name: &str) -> Option<Self> {
+                match name { $($name => Some(Self::$metric),)+ _ => None }
+            }
 
             /// Name in scenarios and summaries.
             #[must_use]
@@ -177,12 +183,6 @@ fn disturbing_torque(setup: &Setup<'_>) -> Result<Channel, Measured> {
 impl fmt::Display for Metric {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl Serialize for Metric {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 

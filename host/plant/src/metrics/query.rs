@@ -2,13 +2,14 @@
 
 use std::fmt;
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::metric::Metric;
 use super::statistic::Statistic;
 
 /// A quantity that a run can be judged by.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Keys", into = "Keys")]
 pub enum Quantity {
     /// A metric.
     Metric(Metric),
@@ -22,7 +23,7 @@ pub enum Quantity {
 }
 
 /// A part of a run: the samples from one time up to another, which is not included.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Start, in time of the run.
     pub from_s: f64,
@@ -40,18 +41,29 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// `metric`, or `signal` and `statistic`, as the keys of a map.
-impl Serialize for Quantity {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut keys = serializer.serialize_map(None)?;
-        match self {
-            Self::Metric(metric) => keys.serialize_entry("metric", metric)?,
-            Self::Statistic { signal, statistic } => {
-                keys.serialize_entry("signal", signal)?;
-                keys.serialize_entry("statistic", statistic)?;
-            }
+/// A quantity as the keys of a file.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Keys {
+    Metric { metric: Metric },
+    Statistic { signal: String, statistic: Statistic },
+}
+
+impl From<Keys> for Quantity {
+    fn from(keys: Keys) -> Self {
+        match keys {
+            Keys::Metric { metric } => Self::Metric(metric),
+            Keys::Statistic { signal, statistic } => Self::Statistic { signal, statistic },
         }
-        keys.end()
+    }
+}
+
+impl From<Quantity> for Keys {
+    fn from(quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::Metric(metric) => Self::Metric { metric },
+            Quantity::Statistic { signal, statistic } => Self::Statistic { signal, statistic },
+        }
     }
 }
 

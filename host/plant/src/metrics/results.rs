@@ -1,13 +1,11 @@
 //! What a measurement yields.
 
-use serde::ser::{Serialize, Serializer};
-
 use super::measured::Measured;
 use super::metric::Metric;
 use super::query::{Quantity, Query};
 use super::signal_table::DRIVE_PREFIX;
 
-/// All metrics of one run, and the answers to its queries. Serialised as a map from the metrics' names to number or null.
+/// All metrics of one run, and the answers to its queries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Metrics {
     pub(super) values: [Measured; Metric::ALL.len()],
@@ -53,11 +51,5 @@ impl Metrics {
     /// Every metric with its value, in the order of reports.
     pub fn iter(&self) -> impl Iterator<Item = (Metric, Measured)> {
         Metric::ALL.into_iter().zip(self.values)
-    }
-}
-
-impl Serialize for Metrics {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter().map(|(metric, measured)| (metric.name(), measured)))
     }
 }

@@ -2,10 +2,10 @@
 
 use std::ops::RangeInclusive;
 
+use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::DRIVE_PREFIX;
 use lashloop_session::names::UnknownName;
 use serde::Serialize;
-use serde_json::Value;
 
 use super::error::DiffError;
 use super::metrics::{self, MetricDifference};
@@ -16,6 +16,8 @@ use super::settings::{Setting, settings};
 use super::signals::{At, SignalDifference, Signals, ValuePair};
 use super::timing::{self, TimingDifference};
 use super::tolerance::Tolerances;
+use crate::reader::Record;
+use crate::summary::RunEnd;
 use crate::trace::TELEMETRY_TIME;
 
 /// Half of the resolution of the times that are compared.
@@ -93,18 +95,16 @@ pub struct RecordHead {
     /// Its folder.
     pub name: String,
     /// The scenario.
-    pub scenario: Option<String>,
+    pub scenario: String,
     /// When it started.
-    pub started: Option<String>,
-    /// PASS, FAIL or INVALID; `None` if the run was interrupted before it had one.
-    pub verdict: Option<String>,
+    pub started: String,
+    /// `None` if the run was interrupted before it had one.
+    pub verdict: Option<Verdict>,
     /// The error that ended a run without a verdict; left out without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// `complete`, or what ended the run.
-    pub end: Option<String>,
-    /// Whether the samples have the bits of the run, and are not rounded ones.
-    pub has_every_bit: bool,
+    /// How the run ended; `None` likewise.
+    pub end: Option<RunEnd>,
     /// Rows of the whole record.
     pub rows: usize,
 }
@@ -125,8 +125,9 @@ impl Comparison {
     /// # Errors
     /// The records have no common time within the window, or the options name what neither has.
     pub fn new(records: &[RecordFiles; 2], options: &DiffOptions) -> Result<Self, DiffError> {
-        let columns = records.each_ref().map(|it| &it.record.trace.columns);
-        let metrics = match records.each_ref().map(|it| it.summary.as_ref()) {
+        let columns = records.each_ref().map(|it| &it.record.trace);
+        let summaries = records.each_ref().map(|it| it.record.summary.as_ref());
+        let metrics = match summaries {
             [Some(a), Some(b)] => metrics::compare([a, b], &options.tolerances),
             _ => Vec::new(),
         };
@@ -165,7 +166,7 @@ impl Comparison {
             settings: settings(records).into_iter().filter(|it| !it.is_same()).collect(),
             metrics: metrics.into_iter().filter(|it| options.has(&it.name)).collect(),
             metrics_are_judged: is_whole && scope == Scope::All,
-            timing: timing::compare(records.each_ref().map(|it| it.summary.as_ref())),
+            timing: timing::compare(summaries),
             coverage,
             first: first_difference(&signals.common),
             signals: signals.common,
@@ -192,12 +193,12 @@ impl Comparison {
 
     /// `is_covered`: both records have every row that is judged. `ends_count`: so does the end of the run.
     fn agreement(&self, is_covered: bool, ends_count: bool) -> Agreement {
-        let ends = self.records.each_ref().map(|it| it.end.as_ref());
-        let verdicts = self.records.each_ref().map(|it| it.verdict.as_ref());
-        let is_same = |[a, b]: [Option<&String>; 2]| a.is_some() && a == b;
+        let [a, b] = &self.records;
+        let is_same_end = a.end.is_some() && a.end == b.end;
+        let is_same_verdict = a.verdict.is_some() && a.verdict == b.verdict;
         let agrees = (is_covered || self.signals.is_empty())
             && !self.judges_nothing()
-            && (!ends_count || (is_same(ends) && (!self.metrics_are_judged || is_same(verdicts))))
+            && (!ends_count || (is_same_end && (!self.metrics_are_judged || is_same_verdict)))
             && (!self.metrics_are_judged || self.metrics.iter().all(|it| it.within))
             && self.signals.iter().all(|it| it.within)
             && self.signals_of_one.iter().all(Vec::is_empty)
@@ -218,9 +219,9 @@ impl DiffOptions {
     /// # Errors
     /// The record has no signal and no metric of such a name.
     pub fn check_names(&self, record: &RecordFiles) -> Result<(), DiffError> {
-        let summary = record.summary.as_ref();
+        let summary = record.record.summary.as_ref();
         let metrics = summary.map(|it| metrics::compare([it, it], &self.tolerances)).unwrap_or_default();
-        let signals = record.record.trace.columns.signals();
+        let signals = record.record.trace.signals();
         Ok(check_names(self, signals.iter().map(|it| &*it.name), &metrics)?)
     }
 
@@ -231,18 +232,15 @@ impl DiffOptions {
 
 impl RecordHead {
     fn new(files: &RecordFiles) -> Self {
-        let text = |value: Option<&Value>| value.and_then(Value::as_str).map(str::to_owned);
-        let of_summary = |key: &str| text(files.summary.as_ref().and_then(|it| it.get(key)));
-        let scenario = files.entry("scenario");
+        let Record { manifest, summary, failure, trace, .. } = &files.record;
         Self {
             name: files.name.clone(),
-            scenario: text(scenario.and_then(|it| it.get("name")).or(scenario)),
-            started: text(files.entry("started")),
-            verdict: of_summary("verdict"),
-            failure: files.record.failure.as_ref().map(|it| it.error.clone()),
-            end: of_summary("end"),
-            has_every_bit: files.has_every_bit,
-            rows: files.record.trace.len(),
+            scenario: manifest.scenario.name.clone(),
+            started: manifest.started.clone(),
+            verdict: summary.as_ref().map(|it| it.verdict),
+            failure: failure.as_ref().map(|it| it.error.clone()),
+            end: summary.as_ref().map(|it| it.end.clone()),
+            rows: trace.len(),
         }
     }
 }

@@ -1,18 +1,6 @@
 //! Values with the digits that they deserve.
 
-use lashloop_bench::number::six_digits;
-
-/// A value with six significant digits.
-#[must_use]
-pub fn figure(value: f64) -> String {
-    let rounded = six_digits(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        1e-4..1e7 => rounded.to_string(),
-        _ if rounded.is_finite() => format!("{rounded:e}"),
-        _ => rounded.to_string(),
-    }
-}
+pub use lashloop_bench::number::figure;
 
 /// Two values with six significant digits if these distinguish them, else with all.
 #[must_use]

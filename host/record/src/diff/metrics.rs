@@ -2,9 +2,9 @@
 
 use lashloop_plant::metrics::Metric;
 use serde::Serialize;
-use serde_json::Value;
 
 use super::tolerance::Tolerances;
+use crate::summary::Summary;
 
 /// A metric, or the quantity of an expectation, in both records.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,7 +48,7 @@ struct Quantity {
 }
 
 /// Compares the metrics of two summaries, then the quantities of expectations that are no metric of the whole run.
-pub(super) fn compare(summaries: [&Value; 2], tolerances: &Tolerances) -> Vec<MetricDifference> {
+pub(super) fn compare(summaries: [&Summary; 2], tolerances: &Tolerances) -> Vec<MetricDifference> {
     let [a, mut b] = summaries.map(quantities);
     let mut rows: Vec<_> = a
         .into_iter()
@@ -78,70 +78,62 @@ fn difference(pair: [Option<Quantity>; 2], tolerances: &Tolerances) -> MetricDif
     MetricDifference { name, unit, values, reasons, tolerance, within }
 }
 
-fn quantities(summary: &Value) -> Vec<Quantity> {
-    let metrics = summary["metrics"].as_object();
-    let reason = |name: &str| summary["metrics_without_value"][name].as_str().map(str::to_owned);
-    let unit =
-        |name: &str| Metric::ALL.iter().find(|it| it.name() == name).map_or("", |it| it.unit()).to_owned();
-    // In the order of reports: the file's own order is lost.
-    let place = |name: &str| Metric::ALL.iter().position(|it| it.name() == name).unwrap_or(usize::MAX);
-    let mut quantities: Vec<_> = metrics
-        .into_iter()
-        .flatten()
-        .map(|(name, value)| Quantity {
-            name: name.clone(),
-            unit: unit(name),
-            value: value.as_f64(),
-            reason: reason(name),
-        })
-        .collect();
-    quantities.sort_by_key(|it| place(&it.name));
-    for expectation in summary["expectations"].as_array().into_iter().flatten() {
-        let name = expectation_name(expectation);
+fn quantities(summary: &Summary) -> Vec<Quantity> {
+    let unit = |name: &str| Metric::named(name).map_or("", Metric::unit).to_owned();
+    let metrics = summary.metrics.iter().map(|(name, value)| Quantity {
+        name: name.clone(),
+        unit: unit(name),
+        value: *value,
+        reason: summary.metrics_without_value.get(name).cloned(),
+    });
+    let mut quantities: Vec<_> = metrics.collect();
+    for expectation in &summary.expectations {
+        let name = expectation.name();
         if quantities.iter().all(|it| it.name != name) {
-            let text = |key: &str| expectation[key].as_str().map(str::to_owned);
-            let (unit, value) = (text("unit").unwrap_or_default(), expectation["value"].as_f64());
-            quantities.push(Quantity { name, unit, value, reason: text("reason") });
+            let (unit, reason) = (expectation.unit.clone(), expectation.reason.clone());
+            quantities.push(Quantity { name, unit, value: expectation.value.value(), reason });
         }
     }
     quantities
 }
 
-/// The metric, or signal and statistic, with the window if it has one.
-fn expectation_name(expectation: &Value) -> String {
-    let text = |key: &str| expectation[key].as_str().unwrap_or_default();
-    let name = match text("metric") {
-        "" => format!("{} of {}", text("statistic"), text("signal")),
-        metric => metric.to_owned(),
-    };
-    match ["from_s", "to_s"].map(|key| expectation[key].as_f64()) {
-        [None, _] => name,
-        [Some(from_s), None] => format!("{name}, {from_s} s to the end"),
-        [Some(from_s), Some(to_s)] => format!("{name}, {from_s} s to {to_s} s"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
+    use lashloop_bench::verdict::JudgedExpectation;
+    use lashloop_plant::metrics::{Measured, Quantity, Statistic, Window};
 
     use super::*;
+    use crate::summary::tests::summary as plain;
 
-    fn summary(static_error: Value, hunting: Value, windowed: f64) -> Value {
-        json!({
-            "metrics": {"hunting_rad": hunting, "static_error_rad": static_error},
-            "metrics_without_value": {"hunting_rad": "run too short"},
-            "expectations": [
-                {"metric": "static_error_rad", "value": static_error, "unit": "rad"},
-                {"signal": "torque_nm", "statistic": "max", "from_s": 1.0, "to_s": 2.0, "value": windowed, "unit": "N m"}
-            ]
-        })
+    fn summary(static_error_rad: Option<f64>, windowed: f64) -> Summary {
+        let judged = |quantity, window, value: Option<f64>, unit: &str| JudgedExpectation {
+            quantity,
+            window,
+            value: value.map_or(Measured::NotMeasured, Measured::Value),
+            reason: None,
+            unit: unit.to_owned(),
+            min: None,
+            max: None,
+            ok: true,
+        };
+        let window = Some(Window { from_s: 1.0, to_s: Some(2.0) });
+        let torque = Quantity::Statistic { signal: "torque_nm".to_owned(), statistic: Statistic::Max };
+        Summary {
+            metrics: [("static_error_rad", static_error_rad), ("hunting_rad", None)]
+                .map(|(name, value)| (name.to_owned(), value))
+                .into(),
+            metrics_without_value: [("hunting_rad".to_owned(), "run too short".to_owned())].into(),
+            expectations: vec![
+                judged(Quantity::Metric(Metric::StaticError), None, static_error_rad, "rad"),
+                judged(torque, window, Some(windowed), "N m"),
+            ],
+            ..plain()
+        }
     }
 
     #[test]
     fn metrics_come_in_the_order_of_reports_and_windows_after_them() {
-        let a = summary(json!(0.1), json!(null), 3.0);
-        let rows = compare([&a, &summary(json!(0.15), json!(null), 3.0)], &Tolerances::default());
+        let rows = compare([&summary(Some(0.1), 3.0), &summary(Some(0.15), 3.0)], &Tolerances::default());
         let names: Vec<_> = rows.iter().map(|row| (&*row.name, &*row.unit, row.within)).collect();
         assert_eq!(
             names,
@@ -157,10 +149,10 @@ mod tests {
 
     #[test]
     fn a_metric_without_a_value_on_one_side_is_a_difference() {
-        let [a, b] = [json!(0.1), json!(null)].map(|value| summary(value, json!(null), 0.0));
+        let [a, b] = [Some(0.1), None].map(|value| summary(value, 0.0));
         let tolerances = Tolerances(vec!["100%".parse().expect("a tolerance")]);
         assert!(!compare([&a, &b], &tolerances)[0].within);
-        assert!(compare([&a, &summary(json!(0.2), json!(null), 0.0)], &tolerances)[0].within);
-        assert!(!compare([&a, &summary(json!(0.21), json!(null), 0.0)], &tolerances)[0].within);
+        assert!(compare([&a, &summary(Some(0.2), 0.0)], &tolerances)[0].within);
+        assert!(!compare([&a, &summary(Some(0.21), 0.0)], &tolerances)[0].within);
     }
 }

@@ -10,7 +10,7 @@
 //! | `scope` | what is the same in each repetition of a run |
 //! | `tolerance` | how far values may be apart |
 //! | `text` | the comparison as a text |
-//! | `record_files` | the files of a record |
+//! | `record_files` | a record with its scenario |
 
 mod comparison;
 mod error;

@@ -4,6 +4,7 @@
 //! run, and so does the step with which a telemetry arrives. Up to the first step without a torque in time, all else is the
 //! same. On hardware only the reference is.
 
+use lashloop_bench::timing::ClockName;
 use serde::Serialize;
 
 use super::pairs::microseconds;
@@ -32,7 +33,7 @@ impl Scope {
         if !records.iter().any(is_in_real_time) {
             return Self::All;
         }
-        if records.iter().any(RecordFiles::is_in_bench_mode) {
+        if records.iter().any(|it| !it.record.manifest.mode.is_hil()) {
             return Self::Hardware;
         }
         let late = records.iter().filter_map(first_late_s);
@@ -60,14 +61,12 @@ impl Scope {
 }
 
 fn is_in_real_time(record: &RecordFiles) -> bool {
-    let of_timing = record.summary.as_ref().and_then(|summary| summary["timing"].get("clock"));
-    let clock = record.manifest.as_ref().and_then(|manifest| manifest.get("clock")).or(of_timing);
-    clock.is_some_and(|clock| clock == "real-time")
+    record.record.manifest.clock == ClockName::RealTime
 }
 
 /// Time of the first step without a torque in time.
 fn first_late_s(record: &RecordFiles) -> Option<f64> {
-    let answered = record.record.timing.as_ref()?.columns.get("answered")?;
+    let answered = record.record.timing.get("answered")?;
     let late = answered.iter().position(|answered| *answered != 1.0)?;
-    record.record.trace.columns.get("time_s")?.get(late).copied()
+    record.record.trace.get("time_s")?.get(late).copied()
 }

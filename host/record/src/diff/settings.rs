@@ -1,13 +1,14 @@
 //! What was set for a run: the scenario's keys, the parameters in force, drive, bench and host.
-//!
-//! Keys are those of the files, so that a further entry of the manifest is compared without a change here.
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use lashloop_bench::device::{Evidence, FileHash};
 use serde::Serialize;
 use serde_json::Value;
 
 use super::record_files::RecordFiles;
+use crate::manifest::{Manifest, ParameterInForce};
+use crate::summary::Versions;
 
 /// What a setting belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -17,7 +18,7 @@ pub enum Group {
     Scenario,
     /// A parameter in force of the drive.
     Parameter,
-    /// The run outside the scenario: clock, mode, law and seed of a record without its scenario.
+    /// The run outside the scenario: clock, rig and the files of the plant.
     Run,
     /// Device, firmware and the files that ran as the drive.
     Drive,
@@ -46,15 +47,10 @@ impl Setting {
     }
 }
 
-/// The settings that all these records can have, in the order of groups and keys: an older one lacks manifest and scenario.
+/// The settings of these records, in the order of groups and keys.
 #[must_use]
 pub fn settings(records: &[RecordFiles]) -> Vec<Setting> {
-    let all_have = |file: fn(&RecordFiles) -> &Option<Value>| records.iter().all(|it| file(it).is_some());
-    let (has_manifest, has_scenario) = (all_have(|it| &it.manifest), all_have(|it| &it.scenario));
-    let of = |files: &RecordFiles| {
-        let manifest = if has_manifest { &files.manifest } else { &files.summary };
-        Settings::new(manifest.as_ref(), files.scenario.as_ref().filter(|_| has_scenario))
-    };
+    let of = |files: &RecordFiles| Settings::new(&files.record.manifest, &files.scenario);
     side_by_side(&records.iter().map(of).collect::<Vec<_>>())
 }
 
@@ -72,62 +68,59 @@ fn side_by_side(records: &[Settings]) -> Vec<Setting> {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 struct Settings(BTreeMap<(Group, String), String>);
 
-/// Entries of a manifest or summary that are no settings, or repeat the scenario's keys.
-const NO_SETTINGS: [&str; 9] = [
-    "command_line",
-    "working_directory",
-    "started",
-    "overrides",
-    "signals",
-    "plant_signals",
-    "warnings",
-    "telemetry",
-    "device_description",
-];
-/// Entries that are keys of the scenario too.
-const OF_SCENARIO: [&str; 6] = ["seed", "mode", "law", "controller", "period_us", "telemetry_every_steps"];
-
 impl Settings {
-    /// `manifest` is that of the record, or the summary of an older one; `scenario` the resolved scenario.
-    fn new(manifest: Option<&Value>, scenario: Option<&Value>) -> Self {
+    fn new(manifest: &Manifest, scenario: &Value) -> Self {
         let mut settings = Self::default();
-        if let Some(scenario) = scenario {
-            settings.flatten(Group::Scenario, "", scenario);
-        }
-        for (key, value) in manifest.and_then(Value::as_object).into_iter().flatten() {
-            match (&**key, value) {
-                (key, _) if NO_SETTINGS.contains(&key) => {}
-                (key, _) if scenario.is_some() && (key == "scenario" || OF_SCENARIO.contains(&key)) => {}
-                ("scenario", Value::Object(scenario)) => {
-                    settings.flatten(Group::Run, "scenario", scenario.get("name").unwrap_or(&Value::Null));
-                }
-                ("plant_files", files) => settings.take_files(Group::Run, Some(files)),
-                ("parameters", Value::Array(parameters)) => settings.take_parameters(parameters),
-                ("evidence", Value::Object(evidence)) => {
-                    settings.take_files(Group::Drive, evidence.get("files"));
-                    settings.flatten(
-                        Group::Bench,
-                        "build",
-                        evidence.get("bench_build").unwrap_or(&Value::Null),
-                    );
-                }
-                ("versions", Value::Object(versions)) => {
-                    for (key, version) in versions {
-                        let group = if key.starts_with("firmware") { Group::Drive } else { Group::Bench };
-                        settings.flatten(group, key, version);
-                    }
-                }
-                ("device", device) => settings.flatten(Group::Drive, key, device),
-                ("host", host) => settings.flatten(Group::Host, "", host),
-                ("format", format) => settings.flatten(Group::Bench, "record.format", format),
-                (key, value) if manifest.is_some_and(is_manifest) || OF_SCENARIO.contains(&key) => {
-                    settings.flatten(Group::Run, key, value);
-                }
-                // The rest of a summary are results.
-                _ => {}
-            }
-        }
+        settings.flatten(Group::Scenario, "", scenario);
+        // Every entry, so that a further one is compared or left out on purpose.
+        let Manifest {
+            format,
+            clock,
+            real_time,
+            rig,
+            device,
+            evidence: Evidence { files, bench_build, warnings: _ },
+            plant_files,
+            host,
+            versions: Versions { lashloop, protocol, firmware, firmware_build, firmware_dirty },
+            parameters,
+            // The scenario has these.
+            scenario: _,
+            seed: _,
+            mode: _,
+            law: _,
+            period_us: _,
+            telemetry_every_steps: _,
+            // These set nothing.
+            command_line: _,
+            working_directory: _,
+            started: _,
+            overrides: _,
+            device_description: _,
+            signals: _,
+            plant_signals: _,
+        } = manifest;
+        settings.take_parameters(parameters);
+        settings.take(Group::Run, "clock", clock);
+        settings.take(Group::Run, "real_time", real_time);
+        settings.take(Group::Run, "rig", rig);
+        settings.take_files(Group::Run, plant_files);
+        settings.take(Group::Drive, "device", device);
+        settings.take(Group::Drive, "firmware", firmware);
+        settings.take(Group::Drive, "firmware_build", firmware_build);
+        settings.take(Group::Drive, "firmware_dirty", firmware_dirty);
+        settings.take_files(Group::Drive, files);
+        settings.take(Group::Bench, "build", bench_build);
+        settings.take(Group::Bench, "lashloop", lashloop);
+        settings.take(Group::Bench, "protocol", protocol);
+        settings.take(Group::Bench, "record.format", format);
+        settings.take(Group::Host, "", host);
         settings
+    }
+
+    fn take(&mut self, group: Group, path: &str, value: &impl Serialize) {
+        // No map in it has keys other than texts.
+        self.flatten(group, path, &serde_json::to_value(value).unwrap_or_default());
     }
 
     fn flatten(&mut self, group: Group, path: &str, value: &Value) {
@@ -150,35 +143,27 @@ impl Settings {
         }
     }
 
-    fn take_parameters(&mut self, parameters: &[Value]) {
-        for parameter in parameters {
-            let text = |key: &str| parameter.get(key).map(plain).unwrap_or_default();
-            let number = format!("{} {}", text("value"), text("unit")).trim_end().to_owned();
-            let value = parameter.get("choice").and_then(Value::as_str).map_or(number, str::to_owned);
-            self.0.insert((Group::Parameter, text("name")), value);
+    fn take_parameters(&mut self, parameters: &[ParameterInForce]) {
+        for ParameterInForce { name, value, choice, unit, .. } in parameters {
+            let number = || format!("{value} {unit}").trim_end().to_owned();
+            self.0.insert((Group::Parameter, name.clone()), choice.clone().unwrap_or_else(number));
         }
     }
 
     /// By the file's name: its folder is no property of the run.
-    fn take_files(&mut self, group: Group, files: Option<&Value>) {
-        for file in files.and_then(Value::as_array).into_iter().flatten() {
-            let text = |key: &str| file.get(key).map(plain).unwrap_or_default();
-            let path = text("path");
-            let name = path.rsplit('/').next().unwrap_or(&path);
+    fn take_files(&mut self, group: Group, files: &[FileHash]) {
+        for FileHash { path, sha256 } in files {
+            let name = path.rsplit('/').next().unwrap_or(path);
             // Two files may share their name: those of a drive have an order.
             let key = |number: usize| match number {
                 1 => format!("sha256 of {name}"),
                 number => format!("sha256 of {name} ({number})"),
             };
             let free = (1..).map(key).find(|key| !self.0.contains_key(&(group, key.clone())));
-            self.0.extend(free.map(|key| ((group, key), text("sha256"))));
+            let hash = sha256.clone().unwrap_or_else(|| "unknown".to_owned());
+            self.0.extend(free.map(|key| ((group, key), hash)));
         }
     }
-}
-
-/// A summary has results too.
-fn is_manifest(value: &Value) -> bool {
-    value.get("verdict").is_none()
 }
 
 /// A text without its quotes, so that a value reads as a user writes it after `--set`.
@@ -194,6 +179,8 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::manifest::Number;
+    use crate::manifest::tests::manifest;
 
     fn found(a: &Settings, b: &Settings) -> Vec<(Group, String, Option<String>, Option<String>)> {
         let differing = side_by_side(&[a.clone(), b.clone()]).into_iter().filter(|it| !it.is_same());
@@ -206,19 +193,34 @@ mod tests {
         Some(text.to_owned())
     }
 
+    fn file(path: &str, sha256: &str) -> FileHash {
+        FileHash { path: path.to_owned(), sha256: some(sha256) }
+    }
+
     #[test]
     fn keys_of_the_scenario_and_parameters_differ_by_name() {
-        let of = |kp: f64, fault: Value, parameters: Value| {
-            let scenario = json!({"controller": {"name": "pd", "parameters": {"kp": kp}}, "fault": fault});
-            let manifest = json!({
-                "format": 2, "seed": 1, "command_line": [kp.to_string()], "working_directory": kp.to_string(), "started": kp.to_string(),
-                "parameters": parameters
-            });
-            Settings::new(Some(&manifest), Some(&scenario))
+        let parameter = |name: &str, value: f32| ParameterInForce {
+            name: name.to_owned(),
+            value: Number::Real(value),
+            choice: None,
+            unit: "N m".to_owned(),
+            default: Number::Real(0.0),
+            of_law: true,
         };
-        let parameter = |name: &str, value: f64| json!({"name": name, "value": value, "unit": "N m"});
-        let a = of(5.0, json!([]), json!([parameter("kp", 5.0), parameter("limit", 1.0)]));
-        let b = of(6.0, json!([{"step": 3}]), json!([parameter("limit", 1.0), parameter("kp", 6.0)]));
+        let of = |kp: f32, fault: Value, parameters: [ParameterInForce; 2]| {
+            let scenario = json!({"controller": {"name": "pd", "parameters": {"kp": kp}}, "fault": fault});
+            let text = kp.to_string();
+            let manifest = Manifest {
+                command_line: vec![text.clone()],
+                working_directory: Some(text.clone()),
+                started: text,
+                parameters: parameters.into(),
+                ..manifest()
+            };
+            Settings::new(&manifest, &scenario)
+        };
+        let a = of(5.0, json!([]), [parameter("kp", 5.0), parameter("limit", 1.0)]);
+        let b = of(6.0, json!([{"step": 3}]), [parameter("limit", 1.0), parameter("kp", 6.0)]);
         assert_eq!(
             found(&a, &b),
             [
@@ -234,12 +236,12 @@ mod tests {
     #[test]
     fn builds_files_and_machine_have_groups_of_their_own() {
         let of = |build: &str, folder: &str, kernel: &str| {
-            let manifest = json!({
-                "device": "qemu", "host": {"kernel": kernel, "cores": 2}, "clock": "lockstep",
-                "evidence": {"files": [{"path": format!("{folder}/drive.elf"), "sha256": build}], "bench_build": "b", "warnings": [folder]},
-                "versions": {"lashloop": "0.1.0", "firmware_build": build}
-            });
-            Settings::new(Some(&manifest), None)
+            let mut manifest = manifest();
+            manifest.host.kernel = kernel.to_owned();
+            manifest.evidence.files = vec![file(&format!("{folder}/drive.elf"), build)];
+            manifest.evidence.warnings = vec![folder.to_owned()];
+            manifest.versions.firmware_build = some(build);
+            Settings::new(&manifest, &json!({}))
         };
         assert_eq!(
             found(&of("1", "/a", "6.1"), &of("2", "/b", "6.2")),
@@ -254,18 +256,10 @@ mod tests {
     #[test]
     fn two_files_of_one_name_are_both_compared() {
         let of = |second: &str| {
-            let file = |path: &str, sha256: &str| json!({"path": path, "sha256": sha256});
-            let files = json!([file("/a/main.py", "1"), file("/b/main.py", second)]);
-            Settings::new(Some(&json!({"plant_files": files})), None)
+            let plant_files = vec![file("/a/main.py", "1"), file("/b/main.py", second)];
+            Settings::new(&Manifest { plant_files, ..manifest() }, &json!({}))
         };
         let name = "sha256 of main.py (2)".to_owned();
         assert_eq!(found(&of("2"), &of("3")), [(Group::Run, name, some("2"), some("3"))]);
-    }
-
-    #[test]
-    fn an_older_record_gives_law_seed_and_versions_but_no_results() {
-        let of = |law: &str, steps: u32| json!({"verdict": "PASS", "controller": law, "seed": 1, "steps": steps, "metrics": {"m": steps}, "scenario": "a.toml"});
-        let [a, b] = [of("pd", 1), of("merzouki", 2)].map(|summary| Settings::new(Some(&summary), None));
-        assert_eq!(found(&a, &b), [(Group::Run, "controller".to_owned(), some("pd"), some("merzouki"))]);
     }
 }

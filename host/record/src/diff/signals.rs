@@ -85,14 +85,12 @@ impl Signals {
                 continue;
             };
             let other = b.unit(name).unwrap_or_default();
-            // An older record may lack its units.
-            if other != unit && !other.is_empty() && !unit.is_empty() {
+            if other != unit {
                 signals.other_unit.push((name.to_string(), [unit.to_string(), other.to_owned()]));
                 continue;
             }
             let counted = rows.iter().filter(|rows| counts(name, **rows));
             let pairs = counted.map(|&[row_a, row_b]| (row_a, [a_values[row_a], b_values[row_b]]));
-            let unit = if unit.is_empty() { other } else { unit };
             signals.common.push(SignalDifference::new(name, unit, pairs, tolerances, &at));
         }
         let alone = b.signals().iter().filter(|it| is_wanted(&it.name) && a.get(&it.name).is_none());

@@ -4,12 +4,13 @@ use std::fmt;
 
 use lashloop_session::printable;
 
-use super::comparison::{Agreement, Comparison};
+use super::comparison::{Agreement, Comparison, RecordHead};
 use super::figure::{exact, figure};
 use super::metrics::MetricDifference;
 use super::scope::Scope;
 use super::settings::Group;
 use super::signals::SignalDifference;
+use crate::summary::RunEnd;
 
 /// Longest text of a setting in a table.
 const LONGEST: usize = 60;
@@ -54,17 +55,14 @@ impl Comparison {
     fn write_heads(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (letter, head) in ["A", "B"].iter().zip(&self.records) {
             let verdict = match (&head.verdict, &head.failure) {
-                (Some(verdict), _) => verdict.clone(),
+                (Some(verdict), _) => verdict.to_string(),
                 (None, Some(failure)) => format!("no verdict: {failure}"),
                 (None, None) => "no verdict, the run was interrupted".to_owned(),
             };
-            let end = head.end.as_deref().filter(|end| *end != "complete").map(|end| format!(" ({end})"));
-            let scenario = head.scenario.as_ref().map(|name| format!("; {name}")).unwrap_or_default();
-            let started = head.started.as_ref().map(|it| format!("; {it}")).unwrap_or_default();
-            let (name, rows) = (&head.name, head.rows);
-            let rounded = if head.has_every_bit { "" } else { " of trace.csv, rounded, without run.mcap" };
+            let end = head.end.as_ref().and_then(RunEnd::early).map(|end| format!(" ({end})"));
+            let RecordHead { name, rows, scenario, started, .. } = head;
             let end = end.unwrap_or_default();
-            let line = format!("{letter}  {name}: {verdict}{end}; {rows} rows{rounded}{scenario}{started}");
+            let line = format!("{letter}  {name}: {verdict}{end}; {rows} rows; {scenario}; {started}");
             writeln!(out, "{}", printable(&line))?;
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! Link and timing of two runs side by side. They differ from run to run, so no comparison judges them.
 
 use serde::Serialize;
-use serde_json::Value;
+
+use crate::summary::Summary;
 
 /// A figure of link or timing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -12,29 +13,28 @@ pub struct TimingDifference {
     pub values: [Option<f64>; 2],
 }
 
-/// Name, and the path in a summary.
-const FIGURES: [(&str, &[&str]); 11] = [
-    ("wall-clock time, s", &["wall_s"]),
-    ("lateness p50, us", &["timing", "lateness_us", "p50"]),
-    ("lateness p99, us", &["timing", "lateness_us", "p99"]),
-    ("lateness max, us", &["timing", "lateness_us", "max"]),
-    ("round trip p50, us", &["timing", "round_trip_us", "p50"]),
-    ("round trip p99, us", &["timing", "round_trip_us", "p99"]),
-    ("round trip max, us", &["timing", "round_trip_us", "max"]),
-    ("missed steps", &["timing", "missed"]),
-    ("steps without an answer", &["timing", "unanswered"]),
-    ("damaged frames", &["link", "crc_errors"]),
-    ("resumes", &["link", "resumes"]),
+/// A figure by its name.
+type Figure = (&'static str, fn(&Summary) -> Option<f64>);
+
+const FIGURES: [Figure; 11] = [
+    ("wall-clock time, s", |it| Some(it.wall_s)),
+    ("lateness p50, us", |it| it.timing.lateness_us.map(|us| us.p50)),
+    ("lateness p99, us", |it| it.timing.lateness_us.map(|us| us.p99)),
+    ("lateness max, us", |it| it.timing.lateness_us.map(|us| us.max)),
+    ("round trip p50, us", |it| it.timing.round_trip_us.map(|us| us.p50)),
+    ("round trip p99, us", |it| it.timing.round_trip_us.map(|us| us.p99)),
+    ("round trip max, us", |it| it.timing.round_trip_us.map(|us| us.max)),
+    ("missed steps", |it| Some(it.timing.missed as f64)),
+    ("steps without an answer", |it| Some(it.timing.unanswered as f64)),
+    ("damaged frames", |it| Some(it.link.crc_errors as f64)),
+    ("resumes", |it| Some(it.link.resumes as f64)),
 ];
 
 /// The figures that at least one summary has and that differ.
-pub(super) fn compare(summaries: [Option<&Value>; 2]) -> Vec<TimingDifference> {
-    let figure = |summary: Option<&Value>, path: &[&str]| {
-        path.iter().try_fold(summary?, |value, key| value.get(key))?.as_f64()
-    };
+pub(super) fn compare(summaries: [Option<&Summary>; 2]) -> Vec<TimingDifference> {
     FIGURES
         .into_iter()
-        .map(|(name, path)| TimingDifference { name, values: summaries.map(|it| figure(it, path)) })
+        .map(|(name, figure)| TimingDifference { name, values: summaries.map(|it| it.and_then(figure)) })
         .filter(|it| it.values[0] != it.values[1])
         .collect()
 }

@@ -1,7 +1,6 @@
 use super::*;
 
 const MANIFEST: &str = r#"{"format": 2}"#;
-const TRACE: &str = "time_s,reference_rad,load_position_rad\n";
 
 fn claim(path: &Path, force: bool) -> Result<RecordFolder, String> {
     RecordFolder::claim(path, force).map_err(|error| error.to_string())
@@ -33,35 +32,35 @@ fn a_record_is_replaced_only_by_force() {
     drop(claim(&path, false).expect("a new folder"));
     fs::write(path.join("notes.txt"), "mine").expect("a file");
     drop(claim(&path, false).expect("a folder without a record"));
-    for name in ["trace.csv", "record.svg", "comparison.html", "export.csv", "summary.json"] {
-        fs::write(path.join(name), TRACE).expect("a file");
+    for name in ["record.json", "run.mcap", "record.svg", "comparison.html", "export.csv", "summary.json"] {
+        fs::write(path.join(name), MANIFEST).expect("a file");
     }
     let refused = claim(&path, false).expect_err("a record");
-    assert!(refused.contains("(trace.csv)") && refused.contains("--force"), "{refused}");
+    assert!(refused.contains("(record.json)") && refused.contains("--force"), "{refused}");
     let claimed = claim(&path, true).expect("by force");
-    assert!(path.join("trace.csv").exists(), "the record stays until the run begins");
-    begin(&claimed, &["trace.csv", "record.json"]).expect("a begin");
-    assert_eq!(files(&path), ["notes.txt", "record.json", "trace.csv"], "other files stay");
-    assert_eq!(fs::read_to_string(path.join("trace.csv")).expect("a trace"), "new");
+    assert!(path.join("run.mcap").exists(), "the record stays until the run begins");
+    begin(&claimed, &["run.mcap", "record.json"]).expect("a begin");
+    assert_eq!(files(&path), ["notes.txt", "record.json", "run.mcap"], "other files stay");
+    assert_eq!(fs::read_to_string(path.join("run.mcap")).expect("samples"), "new");
 }
 
 #[test]
 fn a_begin_that_fails_leaves_the_old_record_whole() {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path();
-    for name in ["trace.csv", "record.json", "report.html"] {
+    for name in ["run.mcap", "record.json", "report.html"] {
         fs::write(path.join(name), MANIFEST).expect("a file");
     }
     let claimed = claim(path, true).expect("by force");
     let full = |new: &Path| {
-        fs::write(new.join("trace.csv"), "new").expect("a file");
+        fs::write(new.join("run.mcap"), "new").expect("a file");
         let source = io::Error::from(ErrorKind::StorageFull);
-        Err::<(), _>(WriteError { path: new.join("run.mcap"), action: "written", source })
+        Err::<(), _>(WriteError { path: new.join("scenario.toml"), action: "written", source })
     };
     let error = claimed.begin(full).expect_err("a full disk");
-    assert_eq!(error.path, path.join("run.mcap"), "the name that the user knows");
-    assert_eq!(files(path), ["record.json", "report.html", "trace.csv"]);
-    assert_eq!(fs::read_to_string(path.join("trace.csv")).expect("a trace"), MANIFEST);
+    assert_eq!(error.path, path.join("scenario.toml"), "the name that the user knows");
+    assert_eq!(files(path), ["record.json", "report.html", "run.mcap"]);
+    assert_eq!(fs::read_to_string(path.join("run.mcap")).expect("samples"), MANIFEST);
 }
 
 #[test]
@@ -69,14 +68,14 @@ fn a_begin_that_was_killed_between_its_renames_blocks_no_folder() {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path();
     fs::create_dir(path.join(NEW)).expect("a folder");
-    for name in ["trace.csv", "run.mcap", "scenario.toml", ".new/record.json"] {
+    for name in ["run.mcap", "scenario.toml", ".new/record.json"] {
         fs::write(path.join(name), MANIFEST).expect("a file");
     }
     let refused = claim(path, false).expect_err("a record without a step");
     assert!(refused.contains("(record.json)"), "{refused}");
-    assert_eq!(files(path), ["record.json", "run.mcap", "scenario.toml", "trace.csv"]);
-    begin(&claim(path, true).expect("by force"), &["trace.csv", "record.json"]).expect("a begin");
-    assert_eq!(files(path), ["record.json", "trace.csv"]);
+    assert_eq!(files(path), ["record.json", "run.mcap", "scenario.toml"]);
+    begin(&claim(path, true).expect("by force"), &["run.mcap", "record.json"]).expect("a begin");
+    assert_eq!(files(path), ["record.json", "run.mcap"]);
 }
 
 #[test]
@@ -105,7 +104,7 @@ fn files_of_the_user_are_never_replaced() {
         ("reference.csv", Some("summary.json")),
         ("report.html", None),
         ("record.json", None),
-        ("summary.json", Some("trace.csv")),
+        ("summary.json", Some("run.mcap")),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path();
@@ -142,7 +141,7 @@ fn a_folder_takes_one_run_at_a_time() {
     let waiting = claim(parent.path(), false).expect("a released folder");
     // A copy, or a process on a file system without locks, may come first.
     fs::write(parent.path().join("record.json"), MANIFEST).expect("a manifest");
-    let error = begin(&waiting, &["trace.csv"]).expect_err("a record since").to_string();
+    let error = begin(&waiting, &["run.mcap"]).expect_err("a record since").to_string();
     assert!(error.contains("record.json is there since"), "{error}");
     assert_eq!(files(parent.path()), ["record.json"]);
 }

@@ -41,7 +41,7 @@ pub(super) fn encode(event: &Event, message: &mut Vec<u8>) {
     }
 }
 
-/// An edge of a message; `None` for another layout: earlier versions had one message for begin and end.
+/// An edge of a message; `None` for another layout.
 pub(super) fn edge(step: u64, message: &[u8]) -> Option<RecordedEdge> {
     let (kind, rest) = take_text(message)?;
     let (number, rest) = rest.split_first_chunk()?;

@@ -9,13 +9,13 @@
 //!
 //! Times are in ns since the start of the run. A telemetry has the time of its sample; its sequence number is the step that
 //! it arrived in. The sequence number of `/step` is 0: its time has the step, and an equal number takes no bytes. Chunks are
-//! compressed by LZ4 and written whole, at the same steps as the rows of the tables. There are no message indexes,
-//! which would add a fifth to the file.
+//! compressed by LZ4 and written whole. There are no message indexes, which would add a fifth to the file.
 
 mod columns;
 mod events;
 mod layout;
 mod reader;
+mod sink;
 mod table;
 mod writer;
 

@@ -6,6 +6,9 @@ use std::io;
 use std::path::Path;
 
 use lashloop_plant::Signal;
+use mcap::McapError;
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::{Channel, MessageHeader, Record};
 
 use super::columns::{
     DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
@@ -13,7 +16,6 @@ use super::columns::{
 use super::events::{self, RecordedEdge, RecordedText};
 use super::layout::{Field, decode, fields};
 use crate::columns::Columns;
-use crate::mcap::{self, Channel, McapError, MessageHeader, Record};
 use crate::trace::{TELEMETRY_TIME, TIME, sent_columns};
 
 /// The samples of a run.
@@ -62,45 +64,59 @@ impl Samples {
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
-        let has_end = bytes.ends_with(&mcap::MAGIC);
+        let has_end = bytes.ends_with(mcap::MAGIC);
+        let mut is_torn = !has_end && !ends_with_a_record(&bytes);
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        let read = mcap::records(&bytes, |record| {
+        for record in ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into())? {
             match record {
-                Record::Schema { id, text } => {
-                    schemas.insert(id, text.to_vec());
+                Ok(Record::Schema { header, data }) => {
+                    schemas.insert(header.id, data.into_owned());
                 }
                 // From the channels, not from the messages: a run may be cut before the first telemetry.
-                Record::Channel(channel) => {
+                Ok(Record::Channel(channel)) => {
                     let schema = schemas.get(&channel.schema_id);
                     [&mut steps, &mut drive].into_iter().try_for_each(|it| it.begin(&channel, schema))?;
                     topics.insert(channel.id, channel.topic);
                 }
-                Record::Message(header, data) => {
+                Ok(Record::Message { header, data }) => {
                     let at = steps.step_at(header.log_time);
                     match topics.get(&header.channel_id).map(String::as_str) {
-                        Some(STEP_TOPIC) => steps.take(at, &header, data)?,
-                        Some(DRIVE_TOPIC) => drive.take(header.sequence.into(), &header, data)?,
-                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, data)),
-                        Some(LOG_TOPIC) => logs.extend(events::text(at, data)),
+                        Some(STEP_TOPIC) => steps.take(at, &header, &data)?,
+                        Some(DRIVE_TOPIC) => drive.take(header.sequence.into(), &header, &data)?,
+                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, &data)),
+                        Some(LOG_TOPIC) => logs.extend(events::text(at, &data)),
                         _ => {}
                     }
                 }
-                Record::DataEnd => return Ok(false),
+                // What follows repeats schemas and channels.
+                Ok(Record::DataEnd(_)) => {
+                    is_torn = false;
+                    break;
+                }
+                Ok(_) => {}
+                Err(_) if !has_end => {
+                    is_torn = true;
+                    break;
+                }
+                Err(error) => return Err(error.into()),
             }
-            Ok(true)
-        });
-        let is_torn = match read {
-            Ok(is_whole) => !is_whole,
-            Err(SamplesError::Mcap(McapError::Damaged { .. } | McapError::Decompression(_))) if !has_end => {
-                true
-            }
-            Err(error) => return Err(error),
-        };
+        }
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }
+}
+
+/// Whether the last record is whole. The reader of records reports no error where a file ends behind opcode and length of one.
+fn ends_with_a_record(file: &[u8]) -> bool {
+    let mut rest = file.get(mcap::MAGIC.len()..).unwrap_or_default();
+    while let Some(([_, length @ ..], content)) = rest.split_first_chunk::<9>() {
+        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
+        let Some(next) = content.get(length..) else { return false };
+        rest = next;
+    }
+    rest.is_empty()
 }
 
 /// The columns of the trace, and those of the timing.

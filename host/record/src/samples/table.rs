@@ -1,12 +1,15 @@
 //! A table of any columns as MCAP: a message per row, all fields real numbers.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::atomic_file::{GrowingFile, WriteError};
+use mcap::McapError;
+use mcap::records::MessageHeader;
 
 use super::layout::{Field, FieldType, MESSAGE_ENCODING, SCHEMA_ENCODING, encode, schema};
+use super::writer::{open, written};
 use crate::columns::Columns;
-use crate::mcap::{McapWriter, MessageHeader};
 use crate::trace::TIME;
 
 const TOPIC: &str = "/table";
@@ -16,11 +19,16 @@ const TOPIC: &str = "/table";
 /// # Errors
 /// The file can't be written.
 pub fn write_table(columns: &Columns, path: &Path) -> Result<(), WriteError> {
-    let mut file = McapWriter::create(path, ".samples-")?;
+    let file = GrowingFile::create(path, ".samples-", b"")?;
+    write(columns, file).map_err(|error| written(path, error))
+}
+
+fn write(columns: &Columns, file: GrowingFile) -> Result<(), McapError> {
+    let mut file = open(file)?;
     let field = |column: &lashloop_plant::Signal| Field { ty: FieldType::Float64, column: column.clone() };
     let fields: Vec<_> = columns.signals().iter().map(field).collect();
-    let schema = ("lashloop/Table", SCHEMA_ENCODING, &*schema(&fields));
-    let channel_id = file.add_channel(TOPIC, schema, MESSAGE_ENCODING, &[]);
+    let schema_id = file.add_schema("lashloop/Table", SCHEMA_ENCODING, schema(&fields).as_bytes())?;
+    let channel_id = file.add_channel(schema_id, TOPIC, MESSAGE_ENCODING, &BTreeMap::new())?;
     let time_s = columns.get(TIME).unwrap_or_default();
     let mut message = Vec::new();
     for row in 0..columns.len() {
@@ -29,10 +37,11 @@ pub fn write_table(columns: &Columns, path: &Path) -> Result<(), WriteError> {
         encode(&fields, columns.row(row), &mut message);
         let sequence = row as u32;
         let header = MessageHeader { channel_id, sequence, log_time: time_ns, publish_time: time_ns };
-        file.push(&header, &message);
+        file.write_to_known_channel(&header, &message)?;
         if row % 1000 == 999 {
             file.flush()?;
         }
     }
-    file.finish()
+    file.finish()?;
+    Ok(())
 }

@@ -35,15 +35,15 @@ fn a_window_has_the_steps_around_the_longest_silence() {
 
     let [whole, window] =
         ["whole", "window"].map(|name| Record::read(&parent.path().join(name)).expect("a record"));
-    let answered = whole.timing.as_ref().expect("timing").column("answered").expect("the column").to_vec();
+    let answered = whole.timing.get("answered").expect("the column").to_vec();
     let silences: Vec<_> =
         answered.chunk_by(|a, b| a == b).filter(|it| it[0] == 0.0).map(<[f64]>::len).collect();
     let longest = *silences.iter().max().expect("a silence");
     assert!(silences.len() >= 2 && longest > silences[0], "{silences:?}");
     let end = answered.iter().rposition(|answered| *answered == 0.0).expect("a silence") + 1;
     let expected = end - longest - AROUND..end + AROUND;
-    let part = whole.trace.columns.select(|row| expected.contains(&row));
-    assert_eq!(bits(&window.trace.columns), bits(&part));
+    let part = whole.trace.select(|row| expected.contains(&row));
+    assert_eq!(bits(&window.trace), bits(&part));
     let steps = expected.len();
     assert_eq!(window.completeness(), Completeness::Interrupted { steps, is_cut: false });
 }

@@ -69,8 +69,8 @@ fn table(runs: &[Run]) -> Markup {
                 th scope="row" { span class={ "run-key c" (number % 8) } {} (run.name) }
                 td { span class={ "grade " (Tone::of(run).class()) } { (verdict(run)) } }
                 td.meaning { (sentence(run)) }
-                td { @if let Some(manifest) = &run.record.manifest { (manifest.started.replace('T', " ").replace('Z', " UTC")) } }
-                td { @if let Some(digest) = run.summary.as_ref().and_then(|it| it.torque_sha256.as_ref()) {
+                td { (run.record.manifest.started.replace('T', " ").replace('Z', " UTC")) }
+                td { @if let Some(digest) = run.record.summary.as_ref().map(|it| &it.torque_sha256) {
                     code.hash title=(digest) { (digest.chars().take(DIGITS_OF_DIGEST).collect::<String>()) }
                 } }
             } } }
@@ -107,7 +107,7 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         }
     }
     for (estimate, truth) in &names {
-        let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
+        let unit = runs.iter().find_map(|run| run.record.trace.unit(estimate)).unwrap_or_default();
         let title = format!("Estimate: {}", spelled(truth, unit));
         let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
         // One truth for all, such as a gap that no run has changed.

@@ -1,22 +1,17 @@
-//! A run as a page shows it: its record and its whole summary.
+//! A run as a page shows it: its record and its timing.
 
 use std::path::Path;
 
-use lashloop_record::file_names::SUMMARY_FILE;
-use lashloop_record::reader::{ReadError, Record, Table};
+use lashloop_bench::fault::log::FaultRecord;
+use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::samples::RecordedEdge;
 use lashloop_record::timing::TimingRow;
-
-use super::summary::{Fault, Summary};
 
 /// A recorded run with the name that a page gives it.
 #[derive(Debug, Clone)]
 pub struct Run {
     pub(super) name: String,
     pub(super) record: Record,
-    /// `None` for an interrupted run.
-    pub(super) summary: Option<Summary>,
-    /// All rows of the timing. After a killed run there may be fewer than in the trace.
     pub(super) timing: Vec<TimingRow>,
 }
 
@@ -26,45 +21,39 @@ impl Run {
     /// # Errors
     /// The folder has neither rows nor a summary, or one of its files is unusable.
     pub fn read(name: impl Into<String>, folder: &Path) -> Result<Self, ReadError> {
-        let run = Self::new(name, Record::read_any(folder)?)?;
-        if run.times_s().is_empty() && run.summary.is_none() { Err(run.record.no_rows()) } else { Ok(run) }
+        let record = Record::read_any(folder)?;
+        let is_empty = record.trace.is_empty() && record.summary.is_none();
+        if is_empty { Err(record.no_rows()) } else { Ok(Self::new(name, record)) }
     }
 
     /// The run of a record.
-    ///
-    /// # Errors
-    /// Its summary or its timing is unusable.
-    pub fn new(name: impl Into<String>, record: Record) -> Result<Self, ReadError> {
-        let path = record.folder.join(SUMMARY_FILE);
-        let summary =
-            Summary::read(&path).map_err(|fault| ReadError { path: path.clone(), line: None, fault })?;
-        let timing = record.timing.as_ref().map(Table::rows::<TimingRow>).transpose()?.unwrap_or_default();
-        Ok(Self { name: name.into(), record, summary, timing })
+    #[must_use]
+    pub fn new(name: impl Into<String>, record: Record) -> Self {
+        let timing = record.timing.rows();
+        Self { name: name.into(), record, timing }
     }
 
     /// A column of the trace with at least one finite value.
     pub(super) fn column(&self, name: &str) -> Option<&[f64]> {
-        self.record.trace.columns.get(name).filter(|values| values.iter().any(|value| value.is_finite()))
+        self.record.trace.get(name).filter(|values| values.iter().any(|value| value.is_finite()))
     }
 
-    /// The control period; 0 if the record doesn't have it.
+    /// The control period.
     pub(super) fn period_s(&self) -> f64 {
-        let of_summary = || self.summary.as_ref().map(|summary| summary.timing.period_us);
-        let period_us = self.record.manifest.as_ref().map(|manifest| manifest.period_us).or_else(of_summary);
-        f64::from(period_us.unwrap_or_default()) * 1e-6
+        f64::from(self.record.manifest.period_us) * 1e-6
     }
 
     /// The injected faults: of the summary, or of an interrupted run those that began up to there.
-    pub(super) fn faults(&self) -> Vec<Fault> {
-        if let Some(summary) = &self.summary {
+    pub(super) fn faults(&self) -> Vec<FaultRecord> {
+        if let Some(summary) = &self.record.summary {
             return summary.faults.clone();
         }
         let edges = &self.record.faults;
         let end = |number| edges.iter().find(|edge| !edge.begins && edge.number == number);
-        let fault = |begin: &RecordedEdge| Fault {
-            kind: begin.kind.clone(),
-            step: begin.step,
-            until_step: end(begin.number).map(|edge| edge.step),
+        let fault = |begin: &RecordedEdge| FaultRecord {
+            kind: begin.kind.clone().into(),
+            step: begin.step as u32,
+            until_step: end(begin.number).map(|edge| edge.step as u32),
             frames: None,
         };
         edges.iter().filter(|edge| edge.begins).map(fault).collect()
@@ -72,15 +61,11 @@ impl Run {
 
     /// Times of the steps, in s.
     pub(super) fn times_s(&self) -> &[f64] {
-        self.record.trace.columns.get("time_s").unwrap_or_default()
+        self.record.trace.get("time_s").unwrap_or_default()
     }
 
-    /// The scenario's title, else its file, else the record's name.
+    /// The scenario's title.
     pub(super) fn title(&self) -> &str {
-        match (&self.record.manifest, &self.summary) {
-            (Some(manifest), _) => &manifest.scenario.name,
-            (None, Some(summary)) => &summary.scenario,
-            (None, None) => &self.name,
-        }
+        &self.record.manifest.scenario.name
     }
 }

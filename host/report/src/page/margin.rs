@@ -1,6 +1,6 @@
 //! How far a value is from its bounds.
 
-use super::summary::Expectation;
+use lashloop_campaign::suite::check::Check;
 
 /// Below this fraction a margin is marginal.
 const MARGINAL: f64 = 0.1;
@@ -37,19 +37,17 @@ impl Margin {
         };
         Some(Self { distance, fraction: (scale > 0.0).then(|| distance / scale) })
     }
-}
 
-impl Expectation {
-    pub(super) fn margin(&self) -> Option<Margin> {
-        Margin::of(self.value?, self.min, self.max)
-    }
-
-    pub(super) fn grade(&self) -> Grade {
-        Grade::of(self.ok, self.margin())
+    pub(super) fn of_check(check: &Check) -> Option<Self> {
+        Self::of(check.value?, check.min, check.max)
     }
 }
 
 impl Grade {
+    pub(super) fn of_check(check: &Check) -> Self {
+        Self::of(check.ok, Margin::of_check(check))
+    }
+
     /// Of a value that is met or not.
     pub(super) fn of(ok: bool, margin: Option<Margin>) -> Self {
         match margin.and_then(|margin| margin.fraction) {
@@ -73,10 +71,9 @@ impl Grade {
 mod tests {
     use super::*;
 
-    fn expectation(value: Option<f64>, min: Option<f64>, max: Option<f64>) -> Expectation {
+    fn grade(value: Option<f64>, min: Option<f64>, max: Option<f64>) -> Grade {
         let ok = value.is_some_and(|it| min.is_none_or(|min| it >= min) && max.is_none_or(|max| it <= max));
-        let json = serde_json::json!({ "metric": "m", "value": value, "unit": "s", "min": min, "max": max, "ok": ok });
-        serde_json::from_value(json).expect("an expectation")
+        Grade::of(ok, value.and_then(|value| Margin::of(value, min, max)))
     }
 
     #[test]
@@ -92,7 +89,7 @@ mod tests {
             (Some(0.5), Some(0.0), None, Grade::Pass),
             (None, None, Some(6.0), Grade::Fail),
         ] {
-            assert_eq!(expectation(value, min, max).grade(), want, "{value:?} in {min:?} to {max:?}");
+            assert_eq!(grade(value, min, max), want, "{value:?} in {min:?} to {max:?}");
         }
     }
 

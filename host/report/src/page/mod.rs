@@ -5,7 +5,7 @@
 //!
 //! | stage | file | does |
 //! |---|---|---|
-//! | input | `input`, `summary` | a record with its whole summary |
+//! | input | `input` | a record with its name |
 //! | judgement | `check`, `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
 //! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
 //! | numbers | `typeset` | numbers and units as a book prints them |
@@ -26,7 +26,6 @@ mod run_charts;
 mod run_page;
 mod shell;
 mod suite_page;
-mod summary;
 #[cfg(test)]
 mod tests;
 mod typeset;

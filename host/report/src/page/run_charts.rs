@@ -2,6 +2,7 @@
 
 use std::slice;
 
+use lashloop_bench::fault::log::FaultRecord;
 use lashloop_record::trace::{TELEMETRY_TIME, TIME};
 
 use super::data::{Chart, Data, Mark, Part, Series, Shade};
@@ -131,7 +132,7 @@ impl Charts<'_> {
     /// Each estimate of the drive next to its truth: `drive.X_estimate_UNIT` and `X_UNIT`.
     fn estimates(&mut self) {
         for (estimate, truth) in estimates(self.run) {
-            let unit = self.run.record.trace.columns.unit(&estimate).unwrap_or_default().to_owned();
+            let unit = self.run.record.trace.unit(&estimate).unwrap_or_default().to_owned();
             let series = [
                 self.series("estimate", &estimate).map(|it| it.style("c1").held()),
                 self.series("truth", &truth).map(|it| it.style("c0")),
@@ -194,7 +195,7 @@ impl Charts<'_> {
 
     /// All signals that no other chart has, in groups of one unit. Those that never change are returned.
     fn further(&mut self) -> Vec<Constant> {
-        let columns = &self.run.record.trace.columns;
+        let columns = &self.run.record.trace;
         let mut constants = Vec::new();
         let mut groups: Vec<(String, Vec<String>)> = Vec::new();
         for signal in columns.signals() {
@@ -238,7 +239,7 @@ pub(super) fn estimates(run: &Run) -> Vec<(String, String)> {
         (name.contains("_estimate") && run.column(name).is_some() && run.column(&truth).is_some())
             .then(|| (name.to_owned(), truth))
     };
-    run.record.trace.columns.signals().iter().filter_map(|signal| pair(&signal.name)).collect()
+    run.record.trace.signals().iter().filter_map(|signal| pair(&signal.name)).collect()
 }
 
 /// A signal's name as words, without its unit.
@@ -282,9 +283,9 @@ fn joined(intervals: &[f64], shortest_gap_s: f64) -> Vec<f64> {
 
 /// The start of each injected fault.
 fn marks(run: &Run) -> Vec<Mark> {
-    let mark = |fault: super::summary::Fault| {
+    let mark = |fault: FaultRecord| {
         let x = run.times_s()[row_of_step(&run.record, fault.step)?];
-        Some(Mark { x, label: fault.kind })
+        Some(Mark { x, label: fault.kind.into_owned() })
     };
     run.faults().into_iter().filter_map(mark).collect()
 }

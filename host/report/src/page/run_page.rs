@@ -27,7 +27,7 @@ pub fn run(run: &Run) -> String {
     let has_rows = !run.times_s().is_empty();
     let content = html! {
         (verdict::section(run))
-        @if let Some(summary) = &run.summary { (expectations::section(&summary.expectations)) }
+        @if let Some(summary) = &run.record.summary { (expectations::section(&summary.expectations)) }
         section #plots {
             h2 { "Plots" }
             @if has_rows {
@@ -45,13 +45,13 @@ pub fn run(run: &Run) -> String {
             (timing::section(run))
         }
         (faults::section(run))
-        @if let Some(summary) = &run.summary { (metrics::section(summary)) }
+        @if let Some(summary) = &run.record.summary { (metrics::section(summary)) }
         (origin::section(run))
         (origin::repeat(run))
     };
     let title = format!("{}: {}", verdict_of(run), run.title());
     let has_section =
-        |(id, _): &&Link| run.summary.is_some() || ["plots", "timing", "faults", "origin"].contains(id);
+        |(id, _): &&Link| run.record.summary.is_some() || ["plots", "timing", "faults", "origin"].contains(id);
     let links: Vec<_> = LINKS.iter().filter(has_section).copied().collect();
     document(&title, &links, has_rows.then_some(&data), &content)
 }

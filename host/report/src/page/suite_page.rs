@@ -54,26 +54,24 @@ const MARGINAL: &str = "marginal";
 
 impl SuiteRow {
     fn label(&self) -> &str {
-        let is_marginal = || self.checks.iter().any(|it| Grade::of(it.ok, margin(it)) == Grade::Marginal);
+        let is_marginal = || self.checks.iter().any(|it| Grade::of_check(it) == Grade::Marginal);
         if self.verdict == "PASS" && is_marginal() { MARGINAL } else { &self.verdict }
     }
 
     /// The check with the smallest margin.
     fn tightest(&self) -> Option<(&Check, f64)> {
-        let margins = self.checks.iter().filter_map(|it| Some((it, margin(it)?.fraction?)));
+        let margins = self.checks.iter().filter_map(|it| Some((it, Margin::of_check(it)?.fraction?)));
         margins.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 }
 
-fn margin(check: &Check) -> Option<Margin> {
-    Margin::of(check.value?, check.min, check.max)
-}
-
 fn tone(label: &str) -> Tone {
     match label {
+        "PASS" => Tone::Pass,
         MARGINAL => Tone::Marginal,
-        "ERROR" => Tone::Fail,
-        verdict => Tone::of_verdict(verdict),
+        "FAIL" | "ERROR" => Tone::Fail,
+        "INVALID" => Tone::Invalid,
+        _ => Tone::None,
     }
 }
 

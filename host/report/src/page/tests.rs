@@ -1,11 +1,19 @@
 //! Pages of made-up records: text of others, size, suites.
 
-use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 
+use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::verdict::{Breach, JudgedExpectation, Verdict};
+use lashloop_plant::Signal;
+use lashloop_plant::metrics::{Measured, Metric, Quantity, SignalTable, Statistic};
+use lashloop_record::columns::Columns;
 use lashloop_record::diff::{Group, Setting};
 use lashloop_record::reader::{ReadError, ReadFault, Record};
+use lashloop_record::row::Row;
+use lashloop_record::samples::SampleWriter;
+use lashloop_record::summary::{RunEnd, Summary};
+use lashloop_record::timing::TimingRow;
+use serde_json::Value;
 
 use crate::runs::{Input, Selection, figure};
 
@@ -14,41 +22,80 @@ use lashloop_campaign::suite::check::Check;
 use super::{Run, Suite, SuiteRow, comparison, run, suite};
 
 const HOSTILE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
+const MANIFEST: &str = include_str!("../../../record/src/manifest/pinned.json");
+const SUMMARY: &str = include_str!("../../../record/src/summary/pinned.json");
 
-/// A record whose texts are `text`, with `columns` columns of noise.
-fn record(folder: &Path, text: &str, steps: usize, columns: usize) {
-    let names: Vec<_> = (0..columns).map(|column| format!("drive.noise_{column}")).collect();
-    let mut trace = format!("time_s,reference_rad,load_position_rad,torque_nm,{}\n", names.join(","));
-    let mut noise = 1_u64;
-    for step in 0..steps {
-        write!(trace, "{},0.0,{},1.5", step as f64 * 1e-3, (step as f64 * 1e-3).cos()).expect("a string");
-        for _ in 0..columns {
-            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            write!(trace, ",{}", noise >> 33).expect("a string");
+/// Replaces every text but those that are choices.
+fn replace_texts(value: &mut Value, text: &str) {
+    const CHOICES: [&str; 5] = ["mode", "clock", "verdict", "metric", "statistic"];
+    match value {
+        Value::String(old) => text.clone_into(old),
+        Value::Array(items) => items.iter_mut().for_each(|it| replace_texts(it, text)),
+        Value::Object(entries) => {
+            let entries = entries.iter_mut().filter(|(key, _)| !CHOICES.contains(&&***key));
+            entries.for_each(|(_, it)| replace_texts(it, text));
         }
-        trace.push('\n');
-    }
-    let units: Vec<_> = names.iter().map(|name| serde_json::json!({ "name": name, "unit": text })).collect();
-    let summary = serde_json::json!({
-        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete",
-        "evidence": { "files": [{ "path": text, "sha256": text }], "bench_build": text, "warnings": [text] },
-        "metrics": { "static_error_rad": 0.25, text: 1.0 }, "metrics_without_value": { text: text },
-        "expectations": [{ "metric": text, "value": 1.0, "unit": text, "min": null, "max": 2.0, "ok": true }],
-        "faults": [{ "kind": text, "step": 1, "until_step": null, "frames": 3 }], "torque_sha256": text,
-        "versions": { text: text }, "timing": { "clock": text },
-    });
-    let json = serde_json::json!({ "columns": units });
-    for (name, content) in
-        [("trace.csv", trace), ("trace.json", json.to_string()), ("summary.json", summary.to_string())]
-    {
-        fs::write(folder.join(name), content).expect("a file");
+        Value::Null | Value::Bool(_) | Value::Number(_) => {}
     }
 }
 
-fn read(text: &str, steps: usize, columns: usize) -> Run {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), text, steps, columns);
-    Run::read(text, folder.path()).expect("a record")
+/// The content of a file with `text` for its texts.
+fn of<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> T {
+    let mut value = serde_json::from_str(file).expect("JSON");
+    replace_texts(&mut value, text);
+    serde_json::from_value(value).expect("its type")
+}
+
+/// A record whose texts are `text`, with `columns` columns of noise in every step from `first` on.
+fn record(text: &str, first: usize, steps: usize, columns: usize) -> Record {
+    let fixed = [("time_s", "s"), ("reference_rad", "rad"), ("load_position_rad", "rad"), ("torque_nm", "N m")];
+    let noise = (0..columns).map(|column| Signal {
+        name: format!("drive.noise_{column}").into(),
+        unit: text.to_owned().into(),
+    });
+    let mut trace = Columns::new(fixed.map(|(name, unit)| Signal::new(name, unit)).into_iter().chain(noise).collect());
+    let mut noise = 1_u64;
+    for step in first..first + steps {
+        let time_s = step as f64 * 1e-3;
+        let noise = (0..columns).map(|_| {
+            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (noise >> 33) as f64
+        });
+        trace.push([time_s, 0.0, time_s.cos(), 1.5].into_iter().chain(noise));
+    }
+    let mut summary: Summary = of(SUMMARY, text);
+    summary.end = RunEnd::Complete;
+    summary.metrics.insert(text.to_owned(), Some(1.0));
+    summary.faults = vec![fault(text, 1)];
+    Record {
+        folder: "made-up".into(),
+        manifest: of(MANIFEST, text),
+        trace,
+        timing: timing(&[]),
+        faults: Vec::new(),
+        logs: Vec::new(),
+        is_torn: false,
+        summary: Some(summary),
+        failure: None,
+    }
+}
+
+fn fault(kind: &str, step: u32) -> FaultRecord {
+    FaultRecord { kind: kind.to_owned().into(), step, until_step: None, frames: Some(3) }
+}
+
+/// The columns of the timing, of rows without their step.
+fn timing(rows: &[[f64; 7]]) -> Columns {
+    let columns = TimingRow::COLUMNS.iter().map(|(name, unit)| Signal::new(name, unit));
+    let mut timing = Columns::new(columns.collect());
+    for (step, row) in rows.iter().enumerate() {
+        timing.push([step as f64].into_iter().chain(*row));
+    }
+    timing
+}
+
+fn made_up(text: &str, steps: usize, columns: usize) -> Run {
+    Run::new(text, record(text, 0, steps, columns))
 }
 
 fn hostile_setting() -> Setting {
@@ -92,7 +139,7 @@ fn hostile_suite() -> Suite {
 
 #[test]
 fn text_of_others_is_never_markup() {
-    let one = read(HOSTILE, 10, 1);
+    let one = made_up(HOSTILE, 10, 1);
     let both = [one.clone(), one.clone()];
     for page in [run(&one), comparison(&both, &[hostile_setting()]), suite(&hostile_suite())] {
         assert!(page.contains("&lt;img src=x"), "the text is shown");
@@ -105,7 +152,7 @@ fn text_of_others_is_never_markup() {
 
 #[test]
 fn a_page_refers_to_nothing_outside_itself() {
-    let one = read("plain", 10, 1);
+    let one = made_up("plain", 10, 1);
     for page in [run(&one), comparison(&[one.clone(), one.clone()], &[]), suite(&Suite::default())] {
         for outside in ["http://", "https://", " src=", "@import", "import("] {
             let found = page.find(outside).map(|at| &page[at.saturating_sub(40)..(at + 40).min(page.len())]);
@@ -121,7 +168,7 @@ fn a_page_refers_to_nothing_outside_itself() {
 
 #[test]
 fn columns_of_pure_noise_are_rounded_until_the_page_is_small() {
-    let page = run(&read("plain", 25_000, 30));
+    let page = run(&made_up("plain", 25_000, 30));
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
     assert!(page.contains("rounded to 1/4096 of"), "coarser than a quiet run");
 }
@@ -152,47 +199,69 @@ fn the_badge_of_a_suite_is_its_verdict_and_not_that_of_its_rows() {
     }
 }
 
-/// The page of a run with this summary; keys that it lacks are those of a plain one.
-fn page_of(summary: &serde_json::Value) -> String {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), "plain", 10, 1);
-    let mut whole = serde_json::json!({
-        "verdict": "PASS", "scenario": "s.toml", "device": "inproc", "controller": "pd", "end": "complete", "faults": [],
-    });
-    let (Some(whole_keys), Some(keys)) = (whole.as_object_mut(), summary.as_object()) else {
-        panic!("two objects")
-    };
-    whole_keys.extend(keys.clone());
-    fs::write(folder.path().join("summary.json"), whole.to_string()).expect("a file");
-    run(&Run::read("plain", folder.path()).expect("a record"))
+/// A plain PASS without an expectation and a fault.
+fn pass() -> Summary {
+    Summary {
+        verdict: Verdict::Pass,
+        end: RunEnd::Complete,
+        expectations: Vec::new(),
+        faults: Vec::new(),
+        ..of(SUMMARY, "plain")
+    }
+}
+
+/// The page of a run with this summary.
+fn page_of(summary: Summary) -> String {
+    run(&Run::new("plain", Record { summary: Some(summary), ..record("plain", 0, 10, 1) }))
+}
+
+fn judged(quantity: Quantity, value: f64, min: Option<f64>, max: f64) -> JudgedExpectation {
+    JudgedExpectation {
+        quantity,
+        window: None,
+        value: Measured::Value(value),
+        reason: None,
+        unit: "rad".to_owned(),
+        min,
+        max: Some(max),
+        ok: value <= max,
+    }
 }
 
 #[test]
 fn the_sentence_states_why_the_verdict_is_what_it_is() {
-    let limit = |value: f64| {
-        let ok = value <= 2.0;
-        serde_json::json!({ "metric": "static_error_rad", "value": value, "unit": "rad", "min": null, "max": 2.0, "ok": ok })
+    let limits = |values: [f64; 2]| {
+        values.map(|value| judged(Quantity::Metric(Metric::StaticError), value, None, 2.0)).into()
     };
     for (summary, sentence) in [
-        (serde_json::json!({}), "The scenario has no expectation, and every value of the run is finite."),
+        (pass(), "The scenario has no expectation, and every value of the run is finite."),
         (
-            serde_json::json!({ "expectations": [limit(1.0), limit(1.9)] }),
+            Summary { expectations: limits([1.0, 1.9]), ..pass() },
             "All 2 expectations are met, 1 of them marginally; the smallest margin is 5.0\u{202f}% of static_error_rad.",
         ),
         (
-            serde_json::json!({ "verdict": "FAIL", "expectations": [limit(1.0), limit(2.000_000_1)] }),
+            Summary { verdict: Verdict::Fail, expectations: limits([1.0, 2.000_000_1]), ..pass() },
             "static_error_rad is 2.0000001 rad, above the limit of 2 rad.",
         ),
         (
-            serde_json::json!({ "verdict": "INVALID", "breaches": [{ "what": "late", "counted": 312, "allowed": 0 }] }),
+            Summary {
+                verdict: Verdict::Invalid,
+                breaches: vec![Breach { what: "late".into(), counted: Some(312), allowed: 0 }],
+                ..pass()
+            },
             "late is 312, allow.late is 0: the run is no evidence on the drive.",
         ),
         (
-            serde_json::json!({ "verdict": "FAIL", "end": "the drive latched X", "simulated_s": 1.5 }),
+            Summary {
+                verdict: Verdict::Fail,
+                end: RunEnd::Early("the drive latched X".to_owned()),
+                simulated_s: 1.5,
+                ..pass()
+            },
             "The run ended at 1.500 s: the drive latched X.",
         ),
     ] {
-        let page = page_of(&summary);
+        let page = page_of(summary);
         assert!(
             page.contains(sentence),
             "{sentence}\n{:?}",
@@ -203,44 +272,31 @@ fn the_sentence_states_why_the_verdict_is_what_it_is() {
 
 #[test]
 fn an_exact_expectation_has_no_gauge_and_no_nan() {
-    let exact = serde_json::json!({ "metric": "contacts", "value": 3.0, "unit": "", "min": 3.0, "max": 3.0, "ok": true });
-    let page = page_of(&serde_json::json!({ "expectations": [exact] }));
+    let contacts = Quantity::Statistic { signal: "contacts".to_owned(), statistic: Statistic::Final };
+    let page = page_of(Summary { expectations: vec![judged(contacts, 3.0, Some(3.0), 3.0)], ..pass() });
     assert!(!page.contains("=\"NaN\"") && page.contains("contacts"));
 }
 
 #[test]
 fn faults_are_marked_at_their_time_in_a_record_that_begins_later() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), "plain", 10, 1);
-    let rows: String =
-        (2000..2010).map(|step| format!("{},0.0,{step},1.5\n", f64::from(step) * 1e-3)).collect();
-    let trace = format!("time_s,reference_rad,load_position_rad,torque_nm\n{rows}");
-    fs::write(folder.path().join("trace.csv"), trace).expect("a file");
-    let fault = |step: u32| serde_json::json!({ "kind": format!("at-{step}"), "step": step });
-    let faults = [3, 1999, 2003, 2009, 2010].map(fault);
-    let summary = serde_json::json!({
-        "verdict": "FAIL", "scenario": "s", "device": "d", "controller": "c", "end": "complete", "faults": faults,
-    });
-    fs::write(folder.path().join("summary.json"), summary.to_string()).expect("a file");
-    let page = run(&Run::read("window", folder.path()).expect("a record"));
+    let faults = [3, 1999, 2003, 2009, 2010].map(|step| fault(&format!("at-{step}"), step));
+    let summary = Some(Summary { faults: faults.into(), ..pass() });
+    let window = Record { summary, ..record("plain", 2000, 10, 0) };
+    let page = run(&Run::new("window", window.clone()));
     let marks = r#""marks":[{"x":2.003,"label":"at-2003"},{"x":2.009,"label":"at-2009"}]"#;
     assert!(page.contains(marks), "{:?}", page.find("\"marks\":[{").map(|at| &page[at..at + 120]));
 
-    let read = Record::read(folder.path()).expect("a record");
     let selection = Selection { shown_s: 2.002..=2.01, signals: Vec::new(), panels: Vec::new() };
     let figure =
-        figure(&[("window".to_owned(), Input::Record(Box::new(read)))], &selection).expect("a figure");
+        figure(&[("window".to_owned(), Input::Record(Box::new(window)))], &selection).expect("a figure");
     let marks: Vec<_> = figure.panels[0].marks.iter().map(|mark| (&*mark.label, mark.x, mark.y)).collect();
-    assert_eq!(marks, [("at-2003", 2.003, 2003.0), ("at-2009", 2.009, 2009.0)]);
+    assert_eq!(marks, [("at-2003", 2.003, 2.003_f64.cos()), ("at-2009", 2.009, 2.009_f64.cos())]);
 }
 
 /// Steps of the table of the worst steps.
-fn worst(timing: &str) -> Vec<String> {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), "plain", 4, 1);
-    let head = "lateness_us,answered,missed,send_us,line_and_device_us,compute_us,receive_us";
-    fs::write(folder.path().join("timing.csv"), format!("{head}\n{timing}")).expect("a file");
-    let page = run(&Run::read("plain", folder.path()).expect("a record"));
+fn worst(rows: &[[f64; 7]]) -> Vec<String> {
+    let timed = Record { timing: timing(rows), ..record("plain", 0, rows.len(), 1) };
+    let page = run(&Run::new("plain", timed));
     let (_, table) = page.split_once("table class=\"worst\"").expect("a table");
     let (table, _) = table.split_once("</table>").expect("its end");
     let step = |row: &str| {
@@ -249,31 +305,42 @@ fn worst(timing: &str) -> Vec<String> {
     table.split("<tr>").filter_map(step).collect()
 }
 
+const NAN: f64 = f64::NAN;
+
 #[test]
 fn worst_steps_without_a_round_trip_are_those_of_the_largest_lateness() {
-    let bench_mode = "5,1,0,,,2,\n50,1,0,,,2,\n20,1,0,,,2,\n50,1,0,,,9,\n";
-    assert_eq!(worst(bench_mode), ["3", "1", "2", "0"]);
+    let row = |lateness_us, compute_us| [lateness_us, 1.0, 0.0, NAN, NAN, compute_us, NAN];
+    let bench_mode = [row(5.0, 2.0), row(50.0, 2.0), row(20.0, 2.0), row(50.0, 9.0)];
+    assert_eq!(worst(&bench_mode), ["3", "1", "2", "0"]);
 }
 
 #[test]
 fn a_step_without_a_torque_is_worse_than_one_whose_round_trip_is_unknown() {
-    let retransmitted = "5,1,0,,,,\n0,1,0,100,100,100,100\n0,0,0,,,,\n0,1,0,1,1,1,1\n";
-    assert_eq!(worst(retransmitted), ["2", "1", "0", "3"]);
+    let retransmitted = [
+        [5.0, 1.0, 0.0, NAN, NAN, NAN, NAN],
+        [0.0, 1.0, 0.0, 100.0, 100.0, 100.0, 100.0],
+        [0.0, 0.0, 0.0, NAN, NAN, NAN, NAN],
+        [0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0],
+    ];
+    assert_eq!(worst(&retransmitted), ["2", "1", "0", "3"]);
 }
 
 #[test]
 fn a_run_without_a_step_has_a_page_with_its_verdict() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), "plain", 0, 1);
-    let path = folder.path().join("summary.json");
-    let summary = serde_json::json!({
-        "verdict": "FAIL", "scenario": "s", "device": "d", "controller": "c", "end": "the drive latched X", "faults": [],
-    });
-    fs::write(&path, summary.to_string()).expect("a file");
-    let page = run(&Run::read("plain", folder.path()).expect("a record"));
+    let ended = Summary {
+        verdict: Verdict::Fail,
+        end: RunEnd::Early("the drive latched X".to_owned()),
+        simulated_s: 0.0,
+        ..pass()
+    };
+    let page = run(&Run::new("plain", Record { summary: Some(ended), ..record("plain", 0, 0, 1) }));
     assert!(page.contains("The run ended at 0.000 s: the drive latched X."));
     assert!(!page.contains("<figure data-chart") && page.contains("id=\"data\">null<"), "no charts");
-    fs::remove_file(path).expect("removed");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("record.json"), MANIFEST).expect("a manifest");
+    let samples = SampleWriter::create(folder.path(), &SignalTable::default(), 1000, 0, &[]);
+    samples.and_then(|samples| samples.finish(("summary.json", "{}"))).expect("samples");
     let error = Run::read("plain", folder.path()).expect_err("neither rows nor a summary");
     assert!(matches!(error, ReadError { fault: ReadFault::Empty, .. }), "{error}");
 }

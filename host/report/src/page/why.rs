@@ -1,8 +1,11 @@
 //! The verdict of a run and its reason in one sentence.
 
+use lashloop_campaign::suite::check::Check;
+use lashloop_bench::verdict::{Breach, JudgedExpectation, Verdict};
+use lashloop_record::summary::{RunEnd, Summary};
+
 use super::input::Run;
-use super::margin::Grade;
-use super::summary::{Breach, Expectation, Summary};
+use super::margin::{Grade, Margin};
 use super::typeset::{self, apart, percent, shown};
 
 /// What a page shows as the verdict. The name is a class of the style, too.
@@ -19,22 +22,21 @@ pub(super) enum Tone {
 
 impl Tone {
     pub(super) fn of(run: &Run) -> Self {
-        let Some(summary) = &run.summary else { return Self::None };
-        match Self::of_verdict(&summary.verdict) {
-            Self::Pass if summary.expectations.iter().any(|it| it.grade() == Grade::Marginal) => {
-                Self::Marginal
-            }
+        let Some(summary) = &run.record.summary else { return Self::None };
+        let is_marginal =
+            || summary.expectations.iter().any(|it| Grade::of_check(&Check::from(it)) == Grade::Marginal);
+        match Self::of_verdict(summary.verdict) {
+            Self::Pass if is_marginal() => Self::Marginal,
             tone => tone,
         }
     }
 
     /// Of a verdict alone.
-    pub(super) fn of_verdict(verdict: &str) -> Self {
+    pub(super) fn of_verdict(verdict: Verdict) -> Self {
         match verdict {
-            "PASS" => Self::Pass,
-            "FAIL" => Self::Fail,
-            "INVALID" => Self::Invalid,
-            _ => Self::None,
+            Verdict::Pass => Self::Pass,
+            Verdict::Fail => Self::Fail,
+            Verdict::Invalid => Self::Invalid,
         }
     }
 
@@ -50,13 +52,14 @@ impl Tone {
 }
 
 /// PASS, FAIL, INVALID, or that there is none.
-pub(super) fn verdict(run: &Run) -> &str {
-    run.summary.as_ref().map_or("NO VERDICT", |summary| &summary.verdict)
+pub(super) fn verdict(run: &Run) -> String {
+    let summary = run.record.summary.as_ref();
+    summary.map_or_else(|| "NO VERDICT".to_owned(), |summary| summary.verdict.to_string())
 }
 
 /// Why the verdict is what it is.
 pub(super) fn sentence(run: &Run) -> String {
-    let Some(summary) = &run.summary else {
+    let Some(summary) = &run.record.summary else {
         let end_s = run.times_s().last().copied().unwrap_or(0.0);
         if let Some(failure) = &run.record.failure {
             return format!("The run failed at {end_s:.3} s: {}.", failure.error.trim_end_matches('.'));
@@ -66,25 +69,25 @@ pub(super) fn sentence(run: &Run) -> String {
     if let Some(gate) = &summary.gate {
         return gate.clone();
     }
-    let early = (summary.end != "complete")
-        .then(|| format!("The run ended at {:.3} s: {}.", summary.simulated_s, summary.end));
-    match summary.verdict.as_str() {
-        "PASS" => passed(summary),
-        "INVALID" => early.unwrap_or_else(|| invalid(summary)),
-        _ => early.unwrap_or_else(|| failed(summary)),
+    match (summary.verdict, &summary.end) {
+        (Verdict::Pass, _) => passed(summary),
+        (_, RunEnd::Early(end)) => format!("The run ended at {:.3} s: {end}.", summary.simulated_s),
+        (Verdict::Invalid, RunEnd::Complete) => invalid(summary),
+        (Verdict::Fail, RunEnd::Complete) => failed(summary),
     }
 }
 
 fn passed(summary: &Summary) -> String {
-    let count = summary.expectations.len();
+    let checks: Vec<_> = summary.expectations.iter().map(Check::from).collect();
+    let count = checks.len();
     let met = match count {
         0 => return "The scenario has no expectation, and every value of the run is finite.".to_owned(),
         1 => "The expectation is met".to_owned(),
         _ => format!("All {count} expectations are met"),
     };
-    let marginal = summary.expectations.iter().filter(|it| it.grade() == Grade::Marginal).count();
+    let marginal = checks.iter().filter(|it| Grade::of_check(it) == Grade::Marginal).count();
     let marginal = if marginal == 0 { String::new() } else { format!(", {marginal} of them marginally") };
-    let graded = summary.expectations.iter().filter_map(|it| Some((it, it.margin()?.fraction?)));
+    let graded = checks.iter().filter_map(|it| Some((&it.name, Margin::of_check(it)?.fraction?)));
     match graded.min_by(|(_, a), (_, b)| a.total_cmp(b)) {
         Some((least, fraction)) => {
             format!("{met}{marginal}; the smallest margin is {} of {least}.", percent(fraction))
@@ -106,20 +109,17 @@ fn failed(summary: &Summary) -> String {
 }
 
 /// How an expectation is missed.
-fn departure(missed: &Expectation) -> String {
-    let unit = typeset::unit(&missed.unit);
-    let Some(value) = missed.value else {
-        return format!(
-            "{missed} has no value: {}",
-            missed.reason.as_deref().unwrap_or("the reason is not recorded")
-        );
+fn departure(missed: &JudgedExpectation) -> String {
+    let (name, unit) = (missed.name(), typeset::unit(&missed.unit));
+    let Some(value) = missed.value.value() else {
+        return format!("{name} has no value: {}", missed.reason.as_deref().unwrap_or_default());
     };
     let side = match (missed.min, missed.max) {
         (Some(min), _) if value < min => format!("below the limit of {}", shown(min)),
         (_, Some(max)) => format!("above the limit of {}", shown(max)),
         _ => "outside its limits".to_owned(),
     };
-    format!("{missed} is {} {unit}, {side} {unit}", apart(value, missed.min, missed.max))
+    format!("{name} is {} {unit}, {side} {unit}", apart(value, missed.min, missed.max))
 }
 
 fn invalid(summary: &Summary) -> String {

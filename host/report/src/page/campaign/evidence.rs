@@ -47,7 +47,7 @@ fn card(results: &CampaignResults<'_>, number_of_case: u64, run: &Run) -> Markup
         number_of_case.to_string(),
     ];
     let metric = campaign.file.evidence.of.as_deref();
-    let metrics = run.summary.as_ref().map(|summary| &summary.metrics);
+    let metrics = run.record.summary.as_ref().map(|summary| &summary.metrics);
     html! {
         article data-case=(number_of_case) {
             h3 { span class={ "grade " (Tone::of(run).class()) } { (verdict(run)) } " case " (number_of_case) small { " " (part.name) " row " (case.row) ", " (variant) } }

@@ -11,7 +11,7 @@ use super::input::{CampaignResults, number};
 
 pub(in super::super) fn section(results: &CampaignResults<'_>) -> Markup {
     let report = &results.view.report;
-    let verdict = report.verdict.to_string();
+    let verdict = report.verdict;
     let sum =
         |count: fn(&lashloop_campaign::report::Group) -> u64| report.groups.iter().map(count).sum::<u64>();
     let facts = [
@@ -25,7 +25,7 @@ pub(in super::super) fn section(results: &CampaignResults<'_>) -> Markup {
         ("seed", report.seed.to_string()),
     ];
     html! {
-        section class={ "verdict " (Tone::of_verdict(&verdict).class()) } {
+        section class={ "verdict " (Tone::of_verdict(verdict).class()) } {
             p.badge { (verdict) }
             div {
                 h1 { (report.title) }

@@ -1,12 +1,13 @@
 //! The expectations of a run: value, limits, margin.
 
+use lashloop_campaign::suite::check::Check;
+use lashloop_bench::verdict::JudgedExpectation;
 use maud::{Markup, html};
 
-use super::super::margin::Grade;
-use super::super::summary::Expectation;
+use super::super::margin::{Grade, Margin};
 use super::super::typeset::{self, apart, percent, shown};
 
-pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
+pub(in super::super) fn section(expectations: &[JudgedExpectation]) -> Markup {
     html! {
         section #expectations {
             h2 { "Expectations" }
@@ -26,17 +27,18 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
     }
 }
 
-fn row(expectation: &Expectation) -> Markup {
-    let grade = expectation.grade();
-    let unit = &typeset::unit(&expectation.unit);
+fn row(expectation: &JudgedExpectation) -> Markup {
+    let check = Check::from(expectation);
+    let grade = Grade::of_check(&check);
+    let unit = &typeset::unit(&check.unit);
     html! {
         tr class=(grade.name()) {
-            th scope="row" { (expectation.to_string()) }
+            th scope="row" { (check.name) }
             td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
-            td.number data-label="value" { (judged(expectation)) }
-            td.number data-label="limits" { (limits(expectation)) " " (unit) }
-            td.number data-label="margin" { (margin(expectation)) }
-            td.gauge { (gauge(expectation)) }
+            td.number data-label="value" { (judged(&check, expectation.reason.as_deref())) }
+            td.number data-label="limits" { (limits(&check)) " " (unit) }
+            td.number data-label="margin" { (margin(&check)) }
+            td.gauge { (gauge(&check)) }
         }
     }
 }
@@ -63,16 +65,16 @@ fn rounded(value: f64, text: &str, unit: &str) -> Markup {
 }
 
 /// The value of an expectation: it differs in print from a bound that it does not equal.
-fn judged(expectation: &Expectation) -> Markup {
-    let Expectation { value, unit, reason, min, max, .. } = expectation;
+fn judged(check: &Check, reason: Option<&str>) -> Markup {
+    let Check { value, unit, min, max, .. } = check;
     match value {
         Some(number) => rounded(*number, &apart(*number, *min, *max), unit),
-        None => self::value(None, unit, reason.as_deref()),
+        None => self::value(None, unit, reason),
     }
 }
 
-fn limits(expectation: &Expectation) -> String {
-    match (expectation.min, expectation.max) {
+fn limits(check: &Check) -> String {
+    match (check.min, check.max) {
         (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
         (Some(min), None) => format!("\u{2265} {}", shown(min)),
         (None, Some(max)) => format!("\u{2264} {}", shown(max)),
@@ -80,18 +82,18 @@ fn limits(expectation: &Expectation) -> String {
     }
 }
 
-fn margin(expectation: &Expectation) -> Markup {
-    let Some(margin) = expectation.margin() else { return html! { span.absent { "none" } } };
+fn margin(check: &Check) -> Markup {
+    let Some(margin) = Margin::of_check(check) else { return html! { span.absent { "none" } } };
     html! {
-        data value=(margin.distance) { (shown(margin.distance)) } " " (typeset::unit(&expectation.unit))
+        data value=(margin.distance) { (shown(margin.distance)) } " " (typeset::unit(&check.unit))
         @if let Some(fraction) = margin.fraction { " " small { "(" (percent(fraction)) ")" } }
     }
 }
 
 /// Range of the gauge, the part of it that passes, and the value's place, each as a fraction of the width.
-fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
-    let value = expectation.value.filter(|value| value.is_finite())?;
-    let (low, high) = match (expectation.min, expectation.max) {
+fn places(check: &Check) -> Option<(f64, f64, f64)> {
+    let value = check.value.filter(|value| value.is_finite())?;
+    let (low, high) = match (check.min, check.max) {
         (Some(min), Some(max)) => (min - (max - min) * 0.25, max + (max - min) * 0.25),
         (Some(min), None) => {
             (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2)
@@ -111,17 +113,18 @@ fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
         return None;
     }
     let place = |value: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
-    Some((place(expectation.min.unwrap_or(low)), place(expectation.max.unwrap_or(high)), place(value)))
+    Some((place(check.min.unwrap_or(low)), place(check.max.unwrap_or(high)), place(value)))
 }
 
-fn gauge(expectation: &Expectation) -> Markup {
-    let Some((from, to, at)) = places(expectation) else { return html! {} };
-    let text = format!("{expectation}: {}", expectation.grade().name());
+fn gauge(check: &Check) -> Markup {
+    let Some((from, to, at)) = places(check) else { return html! {} };
+    let grade = Grade::of_check(check).name();
+    let text = format!("{}: {grade}", check.name);
     html! {
         svg viewBox="0 0 120 14" role="img" aria-label=(text) {
             rect.track x="0" y="5" width="120" height="4" rx="2" {}
             rect.passing x=(format!("{:.1}", from * 120.0)) y="5" width=(format!("{:.1}", (to - from) * 120.0)) height="4" {}
-            circle class=(expectation.grade().name()) cx=(format!("{:.1}", 4.0 + at * 112.0)) cy="7" r="4" {}
+            circle class=(grade) cx=(format!("{:.1}", 4.0 + at * 112.0)) cy="7" r="4" {}
         }
     }
 }

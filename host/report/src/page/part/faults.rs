@@ -1,14 +1,14 @@
 //! The injected faults over time, and the texts of the drive.
 
+use lashloop_bench::fault::log::FaultRecord;
 use maud::{Markup, html};
 
 use super::super::input::Run;
-use super::super::summary::Fault;
 
 pub(in super::super) fn section(run: &Run) -> Markup {
     let faults = run.faults();
     let period_s = run.period_s();
-    let steps = run.summary.as_ref().map_or(run.times_s().len() as u64, |summary| summary.steps);
+    let steps = run.record.summary.as_ref().map_or(run.times_s().len() as u64, |summary| summary.steps);
     html! {
         section #faults {
             h2 { "Injected faults" }
@@ -29,11 +29,11 @@ pub(in super::super) fn section(run: &Run) -> Markup {
     }
 }
 
-fn row(fault: &Fault, steps: u64, period_s: f64) -> Markup {
-    let at = |step: u64| if steps == 0 { 0.0 } else { (step as f64 / steps as f64 * 100.0).min(100.0) };
+fn row(fault: &FaultRecord, steps: u64, period_s: f64) -> Markup {
+    let at = |step: u32| if steps == 0 { 0.0 } else { (f64::from(step) / steps as f64 * 100.0).min(100.0) };
     let from = at(fault.step);
     let until = fault.until_step.map_or(100.0, at);
-    let start_s = fault.step as f64 * period_s;
+    let start_s = f64::from(fault.step) * period_s;
     html! {
         li {
             span.name { (fault.kind) }
@@ -41,7 +41,7 @@ fn row(fault: &Fault, steps: u64, period_s: f64) -> Markup {
             span.when {
                 button.jump type="button" data-time=(start_s) { (format!("{start_s:.3} s")) }
                 " to "
-                @match fault.until_step { Some(step) => (format!("{:.3} s", step as f64 * period_s)), None => "the end" }
+                @match fault.until_step { Some(step) => (format!("{:.3} s", f64::from(step) * period_s)), None => "the end" }
                 @if let Some(frames) = fault.frames { ", " (frames) " frames hit" }
             }
         }

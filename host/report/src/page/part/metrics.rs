@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use lashloop_plant::metrics::Metric;
+use lashloop_record::summary::Summary;
 use maud::{Markup, html};
 
 use super::super::input::Run;
-use super::super::summary::Summary;
 use super::super::typeset::{percent, shown, unit};
 use super::expectations::value;
 
@@ -39,7 +39,7 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
                 thead { tr { th scope="col" { "metric" } th.number scope="col" { "value" } th scope="col" { "definition" } } }
                 tbody { @for row in rows(&[summary]) { tr {
                     th scope="row" { code { (row.name) } }
-                    td.number data-metric=(row.name) { (value(summary.metrics.get(row.name).copied().flatten(), row.unit, None)) }
+                    td.number data-metric=(row.name) { (value(summary.metric(row.name), row.unit, None)) }
                     td.meaning { (row.meaning) }
                 } } }
             } }
@@ -55,9 +55,8 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
 
 /// The metrics of several runs side by side; the difference is to the first.
 pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
-    let summaries: Vec<_> = runs.iter().filter_map(|run| run.summary.as_ref()).collect();
-    let of =
-        |run: &Run, name: &str| run.summary.as_ref().and_then(|it| it.metrics.get(name).copied().flatten());
+    let summaries: Vec<_> = runs.iter().filter_map(|run| run.record.summary.as_ref()).collect();
+    let of = |run: &Run, name: &str| run.record.summary.as_ref().and_then(|it| it.metric(name));
     html! {
         section #metrics {
             h2 { "Metrics" }
@@ -84,7 +83,7 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
 }
 
 fn reason<'a>(run: &'a Run, name: &str) -> Option<&'a str> {
-    run.summary.as_ref()?.metrics_without_value.get(name).map(String::as_str)
+    run.record.summary.as_ref()?.metrics_without_value.get(name).map(String::as_str)
 }
 
 fn difference(first: Option<f64>, other: Option<f64>) -> Markup {

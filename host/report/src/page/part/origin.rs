@@ -2,23 +2,20 @@
 
 use std::path::{self, Path};
 
+use lashloop_bench::verdict::LinkCounts;
 use lashloop_record::manifest::{Manifest, Number, ParameterInForce};
+use lashloop_record::summary::Summary;
 use maud::{Markup, html};
 
 use super::super::input::Run;
-use super::super::summary::{Evidence, Summary};
 use super::super::typeset;
 
 pub(in super::super) fn section(run: &Run) -> Markup {
     html! {
         section #origin {
             h2 { "What was run" }
-            @match (&run.record.manifest, &run.summary) {
-                (Some(manifest), _) => (of_manifest(manifest)),
-                (None, Some(summary)) => (of_summary(summary)),
-                (None, None) => p { "The record has neither a manifest nor a summary, so scenario and device are unknown." },
-            }
-            @if let Some(summary) = &run.summary { (results(summary)) }
+            (of_manifest(&run.record.manifest))
+            @if let Some(summary) = &run.record.summary { (results(summary)) }
         }
     }
 }
@@ -110,36 +107,26 @@ fn drive_file(path: &str, sha256: Option<&str>) -> Markup {
     html! { dt { "file of the drive" } dd { code { (path) } @if let Some(sha256) = sha256 { br; code.hash { (sha256) } } } }
 }
 
-/// Of a record without a manifest.
-fn of_summary(summary: &Summary) -> Markup {
-    let Evidence { files, bench_build, warnings } = &summary.evidence;
-    html! {
-        p.note { "The record has no manifest (format 1): settings of the command line, parameters in force and the host are unknown." }
-        dl.origin {
-            dt { "scenario" } dd { code { (summary.scenario) } }
-            dt { "device" } dd { (summary.device) }
-            @if let Some(mode) = &summary.mode { dt { "mode" } dd { (mode) } }
-            dt { "law" } dd { code { (summary.controller) } }
-            @if let Some(seed) = summary.seed { dt { "seed" } dd { (seed) } }
-            @for (name, version) in &summary.versions {
-                dt { (name.replace('_', " ")) } dd { (version.as_str().map_or_else(|| version.to_string(), str::to_owned)) }
-            }
-            @if !bench_build.is_empty() { dt { "bench" } dd { (bench_build) } }
-            @for file in files { (drive_file(&file.path, file.sha256.as_deref())) }
-            @for warning in warnings { dt { "warning" } dd.warning { (warning) } }
-        }
-    }
-}
-
 /// What identifies the result.
 fn results(summary: &Summary) -> Markup {
+    let LinkCounts {
+        frames_sent,
+        frames_received,
+        crc_errors,
+        lost,
+        late,
+        resumes,
+        damaged_at_drive,
+        overruns_at_drive,
+    } = summary.link;
     html! {
         h3 { "Result" }
         dl.origin {
-            @if let Some(digest) = &summary.torque_sha256 { dt { "digest of all torques" } dd { code.hash { (digest) } } }
-            @if !summary.link.is_empty() {
-                dt { "link" }
-                dd { @for (at, (name, count)) in summary.link.iter().enumerate() { @if at > 0 { "; " } (name.replace('_', " ")) " " (count) } }
+            dt { "digest of all torques" } dd { code.hash { (summary.torque_sha256) } }
+            dt { "link" }
+            dd {
+                (frames_sent) " frames out, " (frames_received) " in; " (lost) " answers lost, " (late) " late; " (resumes) " times resumed; damaged: "
+                (crc_errors) " frames here, " (damaged_at_drive) " frames and " (overruns_at_drive) " bytes at the drive"
             }
         }
     }
@@ -147,41 +134,18 @@ fn results(summary: &Summary) -> Markup {
 
 /// The command that repeats the run.
 pub(in super::super) fn repeat(run: &Run) -> Markup {
-    let (words, note) = match (&run.record.manifest, &run.summary) {
-        (Some(manifest), _) => (
-            rerun(run, manifest),
-            "The resolved scenario of the record with its device and its clock, compared with this run; options are in docs/comparing.md.",
-        ),
-        (None, Some(summary)) => {
-            let device = summary.device.split(" (").next().unwrap_or(&summary.device);
-            let words = [
-                "lashloop",
-                "run",
-                &summary.scenario,
-                "--device",
-                device,
-                "--controller",
-                &summary.controller,
-            ];
-            (
-                words.map(str::to_owned).to_vec(),
-                "Without the settings of the command line, which this record lacks.",
-            )
-        }
-        (None, None) => return html! {},
-    };
     html! {
         section #repeat {
             h2 { "Run it again" }
-            (super::command::copied(&words))
-            p.note { (note) }
+            (super::command::copied(&rerun(run)))
+            p.note { "The resolved scenario of the record with its device and its clock, compared with this run; options are in docs/comparing.md." }
         }
     }
 }
 
 /// The command that runs the scenario of a record again. A rig is given anew, because its limits are.
-fn rerun(run: &Run, manifest: &Manifest) -> Vec<String> {
-    let folder = &run.record.folder;
+fn rerun(run: &Run) -> Vec<String> {
+    let (folder, manifest) = (&run.record.folder, &run.record.manifest);
     let folder = path::absolute(folder).unwrap_or_else(|_| folder.clone());
     let mut words = vec!["lashloop".to_owned(), "rerun".to_owned(), folder.display().to_string()];
     if let Some(rig) = &manifest.rig {

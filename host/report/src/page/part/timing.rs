@@ -1,10 +1,10 @@
 //! Timing of the steps: quantiles, histograms, the worst steps.
 
+use lashloop_bench::timing::{ClockName, Quantiles, TimingReport};
 use lashloop_record::timing::TimingRow;
 use maud::{Markup, html};
 
 use super::super::input::Run;
-use super::super::summary::{Quantiles, Timing};
 use super::super::typeset::shown;
 use crate::steps::{parts_us, round_trip_us};
 
@@ -13,7 +13,7 @@ const LISTED: usize = 10;
 
 pub(in super::super) fn section(run: &Run) -> Markup {
     html! {
-        @if let Some(summary) = &run.summary {
+        @if let Some(summary) = &run.record.summary {
             p { (counts(&summary.timing)) }
             (quantiles(&summary.timing))
             div.histograms {
@@ -25,11 +25,12 @@ pub(in super::super) fn section(run: &Run) -> Markup {
     }
 }
 
-fn counts(timing: &Timing) -> String {
-    let clock = if timing.clock == "lockstep" {
-        "Lockstep: plant and drive wait for each other, so timing changes no value of the run."
-    } else {
-        "Real time: each step starts at its due time."
+fn counts(timing: &TimingReport) -> String {
+    let clock = match timing.clock {
+        ClockName::Lockstep => {
+            "Lockstep: plant and drive wait for each other, so timing changes no value of the run."
+        }
+        ClockName::RealTime => "Real time: each step starts at its due time.",
     };
     format!(
         "{clock} Period {} \u{b5}s; {} steps without an answer, {} missed, at most {} of these in a row; {} steps of warm-up excluded.",
@@ -37,7 +38,7 @@ fn counts(timing: &Timing) -> String {
     )
 }
 
-fn quantiles(timing: &Timing) -> Markup {
+fn quantiles(timing: &TimingReport) -> Markup {
     let rows = [
         ("lateness", timing.lateness_us),
         ("round trip", timing.round_trip_us),

@@ -20,20 +20,16 @@ pub(in super::super) fn section(run: &Run) -> Markup {
 }
 
 fn facts(run: &Run) -> Markup {
-    let (manifest, summary) = (&run.record.manifest, &run.summary);
-    let device = summary.as_ref().map(|it| it.device.split(" (").next().unwrap_or(&it.device).to_owned());
-    let speed = summary.as_ref().map(|it| it.simulated_s / it.wall_s).filter(|speed| speed.is_finite());
+    let (manifest, summary) = (&run.record.manifest, run.record.summary.as_ref());
+    let speed = summary.map(|it| it.simulated_s / it.wall_s).filter(|speed| speed.is_finite());
     let facts = [
-        ("device", manifest.as_ref().map(|it| it.device.clone()).or(device)),
-        (
-            "law",
-            manifest.as_ref().map(|it| it.law.clone()).or(summary.as_ref().map(|it| it.controller.clone())),
-        ),
-        ("simulated", summary.as_ref().map(|it| format!("{:.3} s", it.simulated_s))),
-        ("steps", Some(summary.as_ref().map_or(run.times_s().len().to_string(), |it| it.steps.to_string()))),
-        ("clock", summary.as_ref().map(|it| it.timing.clock.replace('-', " "))),
+        ("device", Some(manifest.device.clone())),
+        ("law", Some(manifest.law.clone())),
+        ("simulated", summary.map(|it| format!("{:.3} s", it.simulated_s))),
+        ("steps", Some(summary.map_or(run.times_s().len().to_string(), |it| it.steps.to_string()))),
+        ("clock", Some(manifest.clock.to_string())),
         ("speed", speed.map(|speed| format!("{speed:.1} \u{d7} real time"))),
-        ("started", manifest.as_ref().map(|it| it.started.replace('T', " ").replace('Z', " UTC"))),
+        ("started", Some(manifest.started.replace('T', " ").replace('Z', " UTC"))),
     ];
     html! {
         dl.facts { @for (name, fact) in facts {

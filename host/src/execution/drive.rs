@@ -1,0 +1,188 @@
+//! The drive of a place, opened.
+
+use lashloop_bench::device::Device;
+use lashloop_bench::run::{
+    self, Clock, DeviceUnderTest, Observers, Outcome, StepObserver, check_bench_mode, takes_torque,
+};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::supervisor::Supervisor;
+
+use super::{ExecutionError, Middleware, Place};
+use crate::rig::TakenRig;
+
+/// What becomes of a parameter or a travel beyond the limits of a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Excess {
+    /// It is an error.
+    Rejected,
+    /// A parameter is reduced to its limit. The caller ends a motion that leaves the travel, which counts from where the load
+    /// stands at the first one; `commission` moves loads whose zero isn't known.
+    Guarded,
+}
+
+/// A drive that is open, with the limits of its rig.
+pub struct OpenDrive<'a> {
+    under_test: DeviceUnderTest,
+    rig: Option<&'a TakenRig>,
+    excess: Excess,
+    clock: Clock,
+    supervisor: &'a Supervisor,
+}
+
+impl<'a> OpenDrive<'a> {
+    /// Opens the drive for the first of several runs.
+    ///
+    /// # Errors
+    /// The scenario exceeds the rig, or the drive can't be reached, is on another board or can't make runs in this mode.
+    pub fn open(
+        scenario: &mut Scenario,
+        place: Place<'a>,
+        clock: Clock,
+        supervisor: &'a Supervisor,
+    ) -> Result<Self, ExecutionError> {
+        Self::open_through(scenario, place, clock, supervisor, Box::new(|link| link))
+    }
+
+    pub(super) fn open_through(
+        scenario: &mut Scenario,
+        place: Place<'a>,
+        clock: Clock,
+        supervisor: &'a Supervisor,
+        middleware: Middleware<'_>,
+    ) -> Result<Self, ExecutionError> {
+        let rig = place.rig();
+        place.check(scenario)?;
+        if let Some(taken) = rig {
+            scenario.link.baud = taken.rig.port.baud;
+        }
+        let under_test =
+            DeviceUnderTest::open(scenario, place.choice(), clock.name(), supervisor, middleware)?;
+        if let Some(taken) = rig {
+            taken.rig.check_board(&under_test.device)?;
+            if !scenario.run.mode.is_hil() {
+                check_bench_mode(&under_test.device, clock.name())?;
+            }
+        }
+        Ok(Self { under_test, rig, excess: Excess::Rejected, clock, supervisor })
+    }
+
+    /// The same drive, with another rule for what exceeds the rig.
+    #[must_use]
+    pub fn with_excess(self, excess: Excess) -> Self {
+        Self { excess, ..self }
+    }
+
+    /// The drive.
+    #[must_use]
+    pub fn device(&self) -> &Device {
+        &self.under_test.device
+    }
+
+    /// The device without its rig: no run is left to make.
+    pub(super) fn end(self) -> DeviceUnderTest {
+        self.under_test
+    }
+
+    /// Makes a run, which a signal of the user ends. On a rig the scenario is completed with its limits.
+    ///
+    /// # Errors
+    /// The scenario doesn't fit the drive or its rig; drive, link, plant or an observer failed.
+    pub fn run(
+        &mut self,
+        scenario: &mut Scenario,
+        observers: Vec<&mut dyn StepObserver>,
+    ) -> Result<Outcome, ExecutionError> {
+        if let Some(taken) = self.rig {
+            let session = &self.under_test.device.session;
+            taken.rig.bound(scenario, session, self.excess, takes_torque(scenario, session))?;
+        }
+        let mut interrupt = Interrupt(self.supervisor);
+        let mut observers = Observers(observers);
+        let mut all = Observers(vec![&mut interrupt, &mut observers]);
+        Ok(run::run(scenario, &mut self.under_test, self.clock, &mut all)?)
+    }
+}
+
+/// Ends a run at a signal of the user.
+struct Interrupt<'a>(&'a Supervisor);
+
+impl StepObserver for Interrupt<'_> {
+    fn stop_asked(&self) -> bool {
+        self.0.interrupted()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::Bench;
+
+    const RIG: &str = "title = \"t\"\ncontact = \"c\"\nboard = \"host\"\n[port]\ndevice = \"tcp:rack:1\"\n\
+                       [limits]\ntorque_nm = 5.0\nload_travel_rad = 0.49\n";
+
+    /// A rig whose drive is one in this process.
+    fn rig(text: &str) -> TakenRig {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("rig.toml");
+        std::fs::write(&file, text).expect("a rig file");
+        let bench = Bench::new();
+        let mut taken = TakenRig::take(&file, &bench.devices(), "test").expect("a rig");
+        taken.rig.port.device = bench.device("inproc").expect("a device");
+        taken
+    }
+
+    fn scenario(settings: &[&str]) -> Scenario {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/shaft-pd-sine.toml");
+        let short = ["run.duration_s=0.05", "expect=[]", "meant=[\"start\", \"mismatch\", \"large-angle\"]"];
+        Bench::new().scenario(path, &[&short, settings].concat()).expect("a scenario")
+    }
+
+    /// A sine of 0.5 rad from rest.
+    const SINE: [&str; 6] = [
+        "plant.initial.load_position_rad=0",
+        "plant.initial.motor_position_rad=0",
+        "reference.profile=sine",
+        "reference.amplitude_rad=0.5",
+        "reference.offset_rad=0",
+        "reference.frequency_hz=10",
+    ];
+
+    fn run(rig: &TakenRig, mut scenario: Scenario) -> Result<Option<f32>, String> {
+        let supervisor = Supervisor::without_signals(None).expect("threads");
+        let opened = OpenDrive::open(&mut scenario, rig.into(), Clock::Lockstep, &supervisor);
+        let mut drive = opened.map_err(|error| error.to_string())?;
+        drive.run(&mut scenario, Vec::new()).map_err(|error| error.to_string())?;
+        let session = &drive.device().session;
+        let limit = session.parameter("torque_limit_nm").map(|limit| session.in_force(limit));
+        Ok(limit.and_then(|limit| match limit {
+            lashloop_protocol::enums::ParameterValue::F32(limit_nm) => Some(limit_nm),
+            lashloop_protocol::enums::ParameterValue::U32(_) => None,
+        }))
+    }
+
+    #[test]
+    fn a_run_on_a_rig_keeps_a_limit_that_its_scenario_leaves_open() {
+        let rig = rig(RIG);
+        let unlimited = ["controller.parameters={}", "reference.profile=constant", "reference.position_rad=0"];
+        assert_eq!(run(&rig, scenario(&unlimited)), Ok(Some(5.0)));
+    }
+
+    #[test]
+    fn a_position_keeps_the_travel_of_the_rig_and_a_torque_has_none() {
+        let rig = rig(RIG);
+        let pd = ["controller.parameters={}"];
+        let error = run(&rig, scenario(&[&SINE[..], &pd].concat())).expect_err("0.5 rad");
+        assert!(error.contains("allows limits.load_travel_rad = 0.49 rad"), "{error}");
+        let torque = ["controller.name=open-loop", "controller.parameters={}"];
+        assert_eq!(run(&rig, scenario(&[&SINE[..], &torque].concat())), Ok(Some(5.0)));
+    }
+
+    #[test]
+    fn a_drive_on_another_board_than_the_rigs_is_not_run() {
+        let rig = rig(&RIG.replace("\"host\"", "\"stm32f405\""));
+        let error = run(&rig, scenario(&["controller.parameters={}"])).expect_err("another board");
+        assert!(error.contains("that of") && error.contains("is stm32f405"), "{error}");
+    }
+}
