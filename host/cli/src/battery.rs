@@ -16,9 +16,9 @@ use super::error::CliError;
 use super::options::plants;
 use super::output::outln;
 use super::supervision::start_supervisor;
+use battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
+use battery::text::Tables;
 use lashloop::Bench;
-use merzouki_2005::battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
-use merzouki_2005::battery::text::Tables;
 
 /// Run control laws on random and varied plants, in process and in parallel
 ///

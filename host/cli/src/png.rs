@@ -34,7 +34,7 @@ pub(crate) enum PngError {
     Encode(String),
 }
 
-/// Draws an SVG document of [`Figure::to_svg`](lashloop_report::Figure::to_svg), with the fonts of this system.
+/// Draws an SVG document of a figure, with the fonts of this system.
 ///
 /// # Errors
 /// The system has no font, or the figure is too large.
@@ -58,7 +58,7 @@ pub(super) fn from_svg(svg: &str) -> Result<Vec<u8>, PngError> {
 
 #[cfg(test)]
 mod tests {
-    use lashloop_report::{Axis, Figure, Panel, Role, Series};
+    use lashloop_plot::{Axis, Figure, Panel, Role, Series};
 
     use super::*;
 

@@ -5,7 +5,7 @@ use lashloop_record::trace::{TELEMETRY_TIME, TIME};
 use lashloop_session::names::UnknownName;
 
 use crate::draw_error::DrawError;
-use crate::plot::{Axis, Panel, Role, Series};
+use lashloop_plot::{Axis, Panel, Role, Series};
 
 /// Curves of one panel that have a colour of their own.
 const MOST: usize = Role::COLOURS;

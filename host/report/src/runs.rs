@@ -9,8 +9,8 @@ use lashloop_record::trace::TIME;
 
 use crate::chosen::{self, Source};
 pub use crate::draw_error::DrawError;
-use crate::plot::{Axis, Figure, Panel, Role, Series};
 use crate::steps::{round_trip_us, row_of_step};
+use lashloop_plot::{Axis, Figure, Panel, Role, Series};
 
 /// What is plotted.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::{Measured, Metric};
-use lashloop_report::Figure;
+use lashloop_plot::Figure;
 
 use crate::figures::Run;
 use crate::figures::demo::{DemoRuns, PlantRuns, before_after};

@@ -1,5 +1,5 @@
 //! A study on the bench: R. Merzouki and J. C. Cadiou, "Estimation of backlash phenomenon in the electromechanical actuator",
-//! Control Engineering Practice 13 (2005) 973-983, reproduced, and the laws on other plants.
+//! Control Engineering Practice 13 (2005) 973-983, reproduced.
 //!
 //! | module | is |
 //! |---|---|
@@ -7,11 +7,9 @@
 //! | [`plan`] | the runs of its figures |
 //! | [`mod@figures`] | figures and tables, the paper's next to ours |
 //! | [`demo`] | its four scenarios as a table and a figure; the program `demo` |
-//! | [`battery`] | control laws on plants outside their tuning: the campaign and its tables |
 
 #![forbid(unsafe_code)]
 
-pub mod battery;
 pub mod demo;
 pub mod figures;
 pub mod plan;

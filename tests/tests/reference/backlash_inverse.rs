@@ -3,10 +3,10 @@
 use core::fmt::Write;
 use std::thread;
 
+use battery::plants::RandomPlants;
 use lashloop_firmware::control::Real;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::{Mechanics, Start};
-use merzouki_2005::battery::plants::RandomPlants;
 
 use crate::both_precisions::BothPrecisions;
 use crate::closed_loop::{Reference, Timing, regulate_to_zero, run};

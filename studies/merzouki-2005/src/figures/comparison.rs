@@ -3,7 +3,7 @@
 //! Positions of an experiment are those of its encoders, and the velocity is the one that the drive has measured, in both.
 
 use lashloop_plant::metrics::{Metric, SETTLED_RAD};
-use lashloop_report::{Axis, Figure, Panel, Role, Series};
+use lashloop_plot::{Axis, Figure, Panel, Role, Series};
 
 use super::curves::{column, mark_settling, mark_static_error, over_time, written};
 use super::laws::Run;

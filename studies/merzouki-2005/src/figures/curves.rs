@@ -1,8 +1,8 @@
 //! Curves and number formats that the figures share.
 
 use lashloop_plant::metrics::{Measured, Metric};
+use lashloop_plot::{Axis, Panel, Role, Series};
 use lashloop_record::trace::TELEMETRY_TIME;
-use lashloop_report::{Axis, Panel, Role, Series};
 
 use super::laws::{Laws, Run};
 

@@ -1,8 +1,8 @@
 //! Figures 5 and 14: the torque through the dead zone, and what compensation makes of it.
 
 use lashloop_plant::metrics::Metric;
+use lashloop_plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_record::columns::Columns;
-use lashloop_report::{Axis, Figure, Panel, Role, Series};
 
 use super::curves::{DISTURBING_TORQUE_ESTIMATE_NM, column, each, over_time, telemetered, three};
 use super::laws::{Laws, Run, Runs, difference, values};

@@ -8,7 +8,7 @@ use super::curves::{
 };
 use super::laws::Run;
 use lashloop_plant::metrics::{Metric, SETTLED_RAD};
-use lashloop_report::{Axis, Figure, Panel, Role, Series};
+use lashloop_plot::{Axis, Figure, Panel, Role, Series};
 
 /// The two runs on one plant.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! Figures 15 to 17: load and torque with friction, on the two plants that stand for the paper's experiment.
 
 use lashloop_plant::metrics::Metric;
-use lashloop_report::{Axis, Figure, Panel};
+use lashloop_plot::{Axis, Figure, Panel};
 
 use super::curves::{column, mark_static_error, of, over_time, three};
 use super::laws::{Laws, Runs};

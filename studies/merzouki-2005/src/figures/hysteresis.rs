@@ -1,7 +1,7 @@
 //! Figure 13: motor against load position, for the step of the paper and for a slow sine.
 
 use lashloop_plant::metrics::{Measured, Metric};
-use lashloop_report::{Axis, Figure};
+use lashloop_plot::{Axis, Figure};
 
 use super::curves::{column, each, of, written};
 use super::laws::{Laws, Run, Runs};

@@ -3,7 +3,7 @@
 use lashloop_plant::metrics::Metrics;
 use lashloop_record::columns::Columns;
 
-use lashloop_report::Role;
+use lashloop_plot::Role;
 
 /// One run.
 #[derive(Debug, Clone)]

@@ -28,7 +28,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use lashloop_report::Figure;
+use lashloop_plot::Figure;
 
 pub use comparison::{BeforeAfter, Compared, Experiment, comparison_figures, comparison_table};
 pub use laws::{Laws, Run, Runs};

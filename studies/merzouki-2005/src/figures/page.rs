@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::table::Table;
-use lashloop_report::Figure;
-use lashloop_report::xml::Escaped;
+use lashloop_plot::Figure;
+use lashloop_plot::xml::Escaped;
 
 const HEAD: &str = include_str!("page_head.html");
 

@@ -1,7 +1,7 @@
 //! Figures 7 to 12: load and motor on the paper's smooth plant, from rest at pi/2 rad to zero.
 
 use lashloop_plant::metrics::{Metric, SETTLED_RAD};
-use lashloop_report::{Axis, Figure};
+use lashloop_plot::{Axis, Figure};
 
 use super::curves::{
     MOTOR_ERROR_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered, within,

@@ -7,8 +7,8 @@ use std::vec::Vec;
 use std::{format, thread};
 
 use anyhow::{Context, Result};
+use battery::plants::RandomPlants;
 use lashloop::{Bench, Outcome, run};
-use merzouki_2005::battery::plants::RandomPlants;
 
 use super::laws::Law;
 use crate::PublishedLaws;

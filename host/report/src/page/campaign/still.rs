@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use maud::{Markup, html};
 
-use super::super::super::plot::span::Span;
-use super::super::super::plot::ticks::Ticks;
 use super::super::typeset::shown;
+use lashloop_plot::span::Span;
+use lashloop_plot::ticks::Ticks;
 
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 14.0;

@@ -8,7 +8,7 @@ const OVERHANG: f64 = 1e-3;
 
 /// Evenly spaced ticks: the multiples `first..=last` of `mantissa * 10^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Ticks {
+pub struct Ticks {
     mantissa: i64,
     exponent: i32,
     first: i64,
@@ -17,7 +17,7 @@ pub(crate) struct Ticks {
 
 impl Ticks {
     /// The finest ticks around `span` that need no more than `intervals` intervals.
-    pub(crate) fn covering(span: Span, intervals: i64) -> Self {
+    pub fn covering(span: Span, intervals: i64) -> Self {
         let rough = (span.high - span.low) / intervals.max(1) as f64;
         // One decade below the rough step is always too fine, so the search ends at the finest step that is not.
         let mut exponent = rough.log10().floor() as i32 - 1;
@@ -35,12 +35,12 @@ impl Ticks {
     }
 
     /// The range from the first tick to the last.
-    pub(crate) fn span(&self) -> Span {
+    pub fn span(&self) -> Span {
         Span { low: self.value(self.first), high: self.value(self.last) }
     }
 
     /// Position and label of each tick, from low to high. Labels are in units of `10^factor()`.
-    pub(crate) fn labelled(&self) -> impl Iterator<Item = (f64, String)> {
+    pub fn labelled(&self) -> impl Iterator<Item = (f64, String)> {
         let shown_exponent = self.exponent - self.factor();
         let decimals = usize::try_from(-shown_exponent).unwrap_or(0);
         (self.first..=self.last).map(move |multiple| {
@@ -50,7 +50,7 @@ impl Ticks {
     }
 
     /// Power of ten to factor out of the labels; zero while plain decimals are short.
-    pub(crate) fn factor(&self) -> i32 {
+    pub fn factor(&self) -> i32 {
         let span = self.span();
         let largest = span.low.abs().max(span.high.abs());
         if largest >= 1e5 || self.exponent < -4 { largest.log10().floor() as i32 } else { 0 }

@@ -83,7 +83,7 @@ impl<'a> Legend<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Axis, Series};
+    use crate::{Axis, Series};
 
     #[test]
     fn entries_that_do_not_fit_go_to_the_next_row() {

@@ -123,7 +123,7 @@ fn write_tenths(data: &mut String, tenths: i64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::ticks::Ticks;
+    use crate::ticks::Ticks;
 
     fn scale(low: f64, high: f64) -> Scale {
         Scale::new(Ticks::covering(Span { low, high }, 10), 0.0, 400.0)

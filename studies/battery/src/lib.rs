@@ -7,6 +7,8 @@
 //! | [`criterion`] | names, units and digits of its tables |
 //! | [`text`] | the tables |
 
+#![forbid(unsafe_code)]
+
 pub mod campaign;
 pub mod criterion;
 pub mod plants;

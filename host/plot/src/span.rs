@@ -10,23 +10,23 @@ const SMALLEST: f64 = 1e-290;
 const SMALLEST_SPREAD: f64 = 1e-9;
 
 /// Whether a value can be drawn at all.
-pub(crate) fn is_drawable(value: f64) -> bool {
+pub fn is_drawable(value: f64) -> bool {
     value.abs() < LARGEST
 }
 
 /// A range of values with `low < high`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Span {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+pub struct Span {
+    pub low: f64,
+    pub high: f64,
 }
 
 impl Span {
     /// The range of an axis without data.
-    pub(crate) const UNIT: Self = Self { low: 0.0, high: 1.0 };
+    pub const UNIT: Self = Self { low: 0.0, high: 1.0 };
 
     /// The range of all drawable values, widened around a constant; `None` without a drawable value.
-    pub(crate) fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+    pub fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
         let (low, high) = values
             .filter(|value| is_drawable(*value))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

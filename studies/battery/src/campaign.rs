@@ -9,16 +9,16 @@ use lashloop_plant::Plants;
 pub const RANDOM_PLANTS: &str = "random-plants";
 
 const SOURCES: [(&str, &str); 5] = [
-    ("campaigns/battery.toml", include_str!("../../../../campaigns/battery.toml")),
-    ("campaigns/../scenarios/shaft-pd.toml", include_str!("../../../../scenarios/shaft-pd.toml")),
-    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../../../../scenarios/shaft-merzouki.toml")),
+    ("campaigns/battery.toml", include_str!("../../../campaigns/battery.toml")),
+    ("campaigns/../scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
+    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
     (
         "campaigns/../scenarios/shaft-backlash-inverse.toml",
-        include_str!("../../../../scenarios/shaft-backlash-inverse.toml"),
+        include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
     ),
     (
         "campaigns/../scenarios/shaft-braking-curve.toml",
-        include_str!("../../../../scenarios/shaft-braking-curve.toml"),
+        include_str!("../../../scenarios/shaft-braking-curve.toml"),
     ),
 ];
 
