@@ -3,9 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 
+use lashloop::execution::ExecutionError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::resume::ResumeError;
-use lashloop::execution::ExecutionError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_record::folder::FolderError;
 

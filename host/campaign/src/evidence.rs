@@ -174,7 +174,8 @@ impl Repeater<'_> {
         stop: &Stop<'_>,
     ) -> Result<Option<CaseResult>, CampaignError> {
         let scenario = self.campaign.scenario(case)?;
-        let failed = |source: ExecutionError| CampaignError::Run { case: case.number, source: Box::new(source) };
+        let failed =
+            |source: ExecutionError| CampaignError::Run { case: case.number, source: Box::new(source) };
         let source = Path::new(&self.campaign.scenario_source(case).path);
         let overrides = self.campaign.overrides(case);
         folder.check_source(source)?;

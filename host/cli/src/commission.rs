@@ -24,11 +24,11 @@ use super::options::{RigOption, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
 use lashloop::execution::{Excess, OpenDrive, Place};
+use lashloop::rig::{Rig, TakenRig};
+use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
 use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
-use lashloop::rig::{Rig, TakenRig};
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");

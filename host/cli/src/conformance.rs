@@ -21,7 +21,7 @@ use super::supervision::start_supervisor;
 /// Check a drive against the protocol, rule by rule
 ///
 /// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
-/// mechanics: some checks produce torque. Ends after 30 s at most; repeats less on a slow line: 10 times, 5 from 1.5 ms for an
+/// mechanics: some checks produce torque. Ends after 60 s at most; repeats less on a slow line: 10 times, 5 from 1.5 ms for an
 /// exchange, once from 2.5 ms. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the line fails or
 /// if rules were left untested for lack of time.
 #[derive(Args)]

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_decode::capture::link::Captured;
-use lashloop_decode::capture::{self, Capture, WhenFull};
-use lashloop_link::Link;
 use lashloop_bench::run::{Clock, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::timing::ClockName;
+use lashloop_decode::capture::link::Captured;
+use lashloop_decode::capture::{self, Capture, WhenFull};
+use lashloop_link::Link;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
@@ -74,8 +74,7 @@ impl OneRun<'_> {
         if let Some(warning) = reconnected.flatten() {
             error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
         }
-        let departure =
-            gate.map(|it| gate::check(&made.scenario, &it.recorded, &it.intervals)).transpose();
+        let departure = gate.map(|it| gate::check(&made.scenario, &it.recorded, &it.intervals)).transpose();
         match &departure {
             Ok(None | Some(None)) => {}
             Ok(Some(Some(departure))) => made.outcome.judgement.close_gate(departure.to_string()),

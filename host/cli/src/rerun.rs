@@ -8,7 +8,6 @@ use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::{Clock, End};
 use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_session::printable;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Comparison, DiffOptions, RecordFiles, Tolerances};
@@ -16,6 +15,7 @@ use lashloop_record::folder::RecordFolder;
 use lashloop_record::manifest::Manifest;
 use lashloop_record::source::RunSource;
 use lashloop_record::trace::TIME;
+use lashloop_session::printable;
 
 use super::diff::{JudgedOptions, print};
 use super::error::{CliError, system};
@@ -121,7 +121,8 @@ impl Arguments {
         {
             env::set_current_dir(folder).map_err(system("change to the working directory of the run"))?;
         }
-        let (overrides, plants) = (self.set.iter().cloned().map(Override::Set).collect::<Vec<_>>(), plants(bench));
+        let (overrides, plants) =
+            (self.set.iter().cloned().map(Override::Set).collect::<Vec<_>>(), plants(bench));
         let scenario = Scenario::from_file_with(&file, &overrides, &plants)?;
         let mut source = RunSource::new(&file, &overrides, &plants);
         source.rig = place.rig().map(|taken| taken.file.clone());

@@ -9,8 +9,8 @@ use super::error::CliError;
 use super::output::outln;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop_hardware::rig_check::{Reached, check};
 use lashloop::rig::{Rig, TakenRig};
+use lashloop_hardware::rig_check::{Reached, check};
 
 /// Check a bench with hardware, described by a rig file
 #[derive(Args)]

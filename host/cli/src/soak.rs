@@ -7,18 +7,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use clap::Args;
 use lashloop::Bench;
 use lashloop::execution::{ExecutionError, OpenDrive};
-use lashloop_campaign::soak::plan;
-use lashloop_campaign::soak::resource_usage::{self, Growth};
-use lashloop_campaign::soak::tally::Tally;
-use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::{Clock, Event, Outcome, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
+use lashloop_campaign::soak::plan;
+use lashloop_campaign::soak::resource_usage::{self, Growth};
+use lashloop_campaign::soak::tally::Tally;
 
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::summary::Summary;
@@ -81,12 +81,8 @@ impl Arguments {
         while started.elapsed() < self.lasts && !supervisor.interrupted() {
             let number = shared.tally().runs;
             let plan = plan::scenario(&scenario, number);
-            let mut watcher = SoakWatcher {
-                shared: &shared,
-                process: None,
-                growth: Growth::default(),
-                step: 0,
-            };
+            let mut watcher =
+                SoakWatcher { shared: &shared, process: None, growth: Growth::default(), step: 0 };
             let begun = Instant::now();
             *shared.window() =
                 self.out.as_ref().map(|_| WindowRecorder::new(self.keep_around, source.clone()));

@@ -50,7 +50,7 @@ pub(super) struct Client {
     /// A measurement of the check, for information.
     pub(super) note: String,
     /// The end of the time for the present check.
-    pub(super) time_up: TimeUp,
+    time_up: TimeUp,
     /// When the first request was sent.
     pub(super) opened_at: Instant,
     /// Mean time of a request and its answer.
@@ -69,10 +69,13 @@ pub(super) struct Client {
     settled: u8,
 }
 
-/// When the time for a check ends, and what to report then.
+/// When the time for a check ends, and what to report then. Time for which the drive's program has waited for a core doesn't
+/// count.
 pub(super) struct TimeUp {
     pub(super) at: Instant,
     pub(super) cause: &'static str,
+    /// Time for which the program has waited at the last look.
+    pub(super) starved: Duration,
 }
 
 impl Client {
@@ -87,7 +90,7 @@ impl Client {
         let describing = line.now().saturating_duration_since(started);
         let exchange = describing / answers;
         let defects = defects.iter().map(ToString::to_string).collect();
-        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
+        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starved: line.starved() };
         let (state, note) = (identity.state, String::new());
         let (slowest, waited_until, settled) = (Duration::ZERO, line.now(), 0);
         Ok(Self {
@@ -254,13 +257,30 @@ impl Client {
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
-        if self.line.now() >= self.time_up.at {
-            self.is_unsettled = true;
-            return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
-        }
+        self.require_time()?;
         self.line.send_bytes(bytes)?;
         self.note_lateness(self.waited_until);
         Ok(())
+    }
+
+    /// Begins a check.
+    pub(super) fn begin(&mut self, time_up: TimeUp) {
+        (self.time_up, self.slowest) = (time_up, Duration::ZERO);
+    }
+
+    /// # Errors
+    /// The time for the present check is up.
+    fn require_time(&mut self) -> RuleResult {
+        if self.line.now() >= self.time_up.at {
+            let starved = self.line.starved();
+            self.time_up.at += starved.saturating_sub(self.time_up.starved);
+            self.time_up.starved = starved;
+        }
+        if self.line.now() < self.time_up.at {
+            return Ok(());
+        }
+        self.is_unsettled = true;
+        Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() })
     }
 
     /// Notes by how much the bench is later than `due`.
@@ -273,16 +293,18 @@ impl Client {
     pub(super) fn wait_for<T>(
         &mut self,
         limit: Duration,
-        wanted: impl FnMut(&DriveMessage) -> Option<T>,
+        mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, Failure> {
         let deadline = self.line.now() + limit;
-        let found = self.line.wait(deadline.min(self.time_up.at), wanted)?;
-        self.note_lateness(deadline);
-        if found.is_none() && self.time_up.at < deadline {
-            self.is_unsettled = true;
-            return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
+        loop {
+            let ends_at = deadline.min(self.time_up.at);
+            let found = self.line.wait(ends_at, &mut wanted)?;
+            self.note_lateness(deadline);
+            if found.is_some() || ends_at == deadline {
+                return Ok(found);
+            }
+            self.require_time()?;
         }
-        Ok(found)
     }
 
     /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.

@@ -10,8 +10,9 @@ use super::check::Check;
 use super::client::{Client, REQUEST_LIMIT, TimeUp};
 use super::result::{CheckResult, CheckStatus};
 
-/// Time for all checks of any drive. A drive that answers at once takes a fraction of it.
-const RUN_LIMIT: Duration = Duration::from_secs(30);
+/// Time for all checks of any drive. The slowest line on which all checks are made, of 115,200 Bd, takes half of it.
+const RUN_LIMIT: Duration = Duration::from_secs(60);
+const RUN_TIME_UP: &str = "60 s have passed";
 /// Time for one check.
 const CHECK_LIMIT: Duration = Duration::from_secs(5);
 /// Consecutive checks without a good frame after which the drive is lost.
@@ -21,8 +22,10 @@ pub(super) const ATTEMPTS: u32 = 3;
 
 /// What earlier checks mean for the next one.
 pub(super) struct Judge {
-    /// When the time for all checks ends.
+    /// When the time for all checks ends, but for the time for which the drive's program waits for a core.
     ends_at: Instant,
+    /// How long it has waited before.
+    starved: Duration,
     /// Preparations that failed, each with the name of the check that reports it.
     failed_preparations: HashMap<String, String>,
     /// Consecutive checks without a good frame.
@@ -34,9 +37,10 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    pub(super) fn new(client: &Client) -> Self {
+    pub(super) fn new(client: &mut Client) -> Self {
         Self {
             ends_at: client.opened_at + RUN_LIMIT,
+            starved: client.line.starved(),
             failed_preparations: HashMap::new(),
             silent_checks: 0,
             is_made: false,
@@ -78,13 +82,18 @@ impl Judge {
     }
 
     fn attempt(&mut self, client: &mut Client, run: &dyn Fn(&mut Client) -> RuleResult) -> RuleResult {
-        let now = client.line.now();
-        client.time_up = self.time_up(now);
-        client.slowest = Duration::ZERO;
-        self.is_made = now < self.ends_at;
+        let (now, starved) = (client.line.now(), client.line.starved());
+        let run_ends_at = self.ends_at + starved.saturating_sub(self.starved);
+        self.is_made = now < run_ends_at;
         if !self.is_made {
-            return Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() });
+            return Err(Failure::NotJudged { cause: RUN_TIME_UP.to_owned() });
         }
+        let check_ends_at = now + CHECK_LIMIT;
+        client.begin(if check_ends_at < run_ends_at {
+            TimeUp { at: check_ends_at, cause: "5 s have passed in this check", starved }
+        } else {
+            TimeUp { at: run_ends_at, cause: RUN_TIME_UP, starved }
+        });
         client.reset()?;
         run(client)
     }
@@ -98,15 +107,6 @@ impl Judge {
                 self.failed_preparations.insert(what, name.to_owned());
                 CheckStatus::Failed { expected, got }
             }
-        }
-    }
-
-    fn time_up(&self, started: Instant) -> TimeUp {
-        let check_ends_at = started + CHECK_LIMIT;
-        if check_ends_at < self.ends_at {
-            TimeUp { at: check_ends_at, cause: "5 s have passed in this check" }
-        } else {
-            TimeUp { at: self.ends_at, cause: "30 s have passed" }
         }
     }
 

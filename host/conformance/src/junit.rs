@@ -86,13 +86,13 @@ mod tests {
     #[test]
     fn a_check_that_was_not_judged_is_an_error() {
         let results = [
-            result(CheckStatus::NotJudged { cause: "30 s have passed".to_owned() }),
+            result(CheckStatus::NotJudged { cause: "60 s have passed".to_owned() }),
             result(CheckStatus::Skipped { reason: "the drive has no signal" }),
             result(CheckStatus::Passed),
         ];
         let xml = report("a drive", &results, None).expect("XML");
         assert!(xml.contains(r#"tests="3" skipped="1" failures="0" errors="1""#), "{xml}");
-        assert!(xml.contains(r#"<error message="not judged: 30 s have passed"/>"#), "{xml}");
+        assert!(xml.contains(r#"<error message="not judged: 60 s have passed"/>"#), "{xml}");
         assert_eq!(xml.matches("<skipped").count(), 1, "{xml}");
     }
 

@@ -101,7 +101,7 @@ pub trait Reporter {
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     reporter.connected(&client.identity);
-    let mut judge = Judge::new(&client);
+    let mut judge = Judge::new(&mut client);
     for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;

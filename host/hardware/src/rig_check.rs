@@ -3,9 +3,9 @@
 use lashloop_bench::device::{Build, Device};
 use lashloop_bench::scenario::RunMode;
 use lashloop_bench::scenario::controller::ParameterValue;
-use lashloop_session::{Parameter, Session, WrittenValue};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_protocol::parameter_names::{LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, SAMPLE_SOURCE};
+use lashloop_session::{Parameter, Session, WrittenValue};
 
 use crate::doctor;
 use crate::doctor::finding::Finding;

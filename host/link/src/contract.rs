@@ -1,7 +1,7 @@
 //! The contract of a link.
 
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::LinkError;
 use super::deadline::remaining;
@@ -72,6 +72,11 @@ pub trait Link: Send {
     /// The far end is disconnected or the system refused.
     fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
         self.inner().map_or(Ok(()), |inner| inner.idle(until))
+    }
+
+    /// Time for which the programs at the far end have waited for a core, as far as the bench has started them; else zero.
+    fn starved(&mut self) -> Duration {
+        self.inner().map_or(Duration::ZERO, Link::starved)
     }
 
     /// Chooses the clock of a link that has a time of its own. Any other link follows the wall clock and ignores this.

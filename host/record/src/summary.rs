@@ -15,9 +15,9 @@ use lashloop_bench::device::{Device, Evidence};
 use lashloop_bench::fault::log::FaultRecord;
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::{RunMode, Scenario};
-use lashloop_session::Subscription;
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::{Breach, BrokenRuleReport, JudgedExpectation, LinkCounts, Verdict};
+use lashloop_session::Subscription;
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -179,7 +179,8 @@ impl Summary {
     #[must_use]
     pub fn new(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Self {
         let judgement = &outcome.judgement;
-        let metrics = || outcome.metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
+        let metrics =
+            || outcome.metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
         Self {
             verdict: judgement.verdict,
             scenario: scenario.name.clone(),

@@ -157,6 +157,11 @@ impl Line {
         self.link.now()
     }
 
+    /// Time for which the programs at the far end have waited for a core, see [`Link::starved`].
+    pub fn starved(&mut self) -> Duration {
+        self.link.starved()
+    }
+
     /// Waits until an instant of the link's time.
     ///
     /// # Errors

@@ -165,7 +165,8 @@ mod tests {
     #[test]
     fn a_run_on_a_rig_keeps_a_limit_that_its_scenario_leaves_open() {
         let rig = rig(RIG);
-        let unlimited = ["controller.parameters={}", "reference.profile=constant", "reference.position_rad=0"];
+        let unlimited =
+            ["controller.parameters={}", "reference.profile=constant", "reference.position_rad=0"];
         assert_eq!(run(&rig, scenario(&unlimited)), Ok(Some(5.0)));
     }
 

@@ -23,6 +23,8 @@ pub struct Altered {
     standstill: Option<(u32, Duration)>,
     /// When the line goes on.
     goes_on: Option<Instant>,
+    /// Since when the drive's program has waited for a core.
+    starved_since: Option<Instant>,
     writes: u32,
     requests: u32,
     waiting: Vec<u8>,
@@ -38,6 +40,7 @@ impl Altered {
             pauses: None,
             standstill: None,
             goes_on: None,
+            starved_since: None,
             writes: 0,
             requests: 0,
             waiting: Vec::new(),
@@ -47,6 +50,13 @@ impl Altered {
     /// Every answer takes this long.
     pub fn slow(delay: Duration) -> Self {
         Self { delay, ..Self::unaltered() }
+    }
+
+    /// Every answer takes this long, because the drive's program waits for a core.
+    pub fn starved(delay: Duration) -> Self {
+        let mut slow = Self::slow(delay);
+        slow.starved_since = Some(slow.drive.now());
+        slow
     }
 
     /// The bench stands still for `pause` before one write in `writes`.
@@ -112,6 +122,11 @@ impl Link for Altered {
         buffer[..count].copy_from_slice(&self.waiting[..count]);
         self.waiting.drain(..count);
         Ok(count)
+    }
+
+    fn starved(&mut self) -> Duration {
+        let now = self.drive.now();
+        self.starved_since.map_or(Duration::ZERO, |since| now - since)
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {

@@ -65,6 +65,10 @@ impl Link for OwnTime {
         self.link.idle(until + self.stood_still)
     }
 
+    fn starved(&mut self) -> Duration {
+        self.program.starved()
+    }
+
     fn set_time_base(&mut self, time_base: TimeBase) {
         self.time_base = time_base;
         if time_base != TimeBase::Virtual {

@@ -78,6 +78,12 @@ impl Watch {
         Activity::of_group(self.group).map_or(Duration::ZERO, |it| it.cpu + it.delay)
     }
 
+    /// The part of [`Self::busy`] in which it waited for a core.
+    #[must_use]
+    pub fn starved(&self) -> Duration {
+        Activity::of_group(self.group).map_or(Duration::ZERO, |it| it.delay)
+    }
+
     /// Begins a wait for the program.
     #[must_use]
     pub fn wait(&self) -> Wait<'_> {

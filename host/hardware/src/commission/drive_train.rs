@@ -13,9 +13,8 @@ use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
-use lashloop::execution::{ExecutionError, OpenDrive};
 use crate::identify::record::{NoSeries, counts, directions_in_force, series};
-
+use lashloop::execution::{ExecutionError, OpenDrive};
 
 /// Why a motion could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::run::{DriveValues, Event, RunStart, Step, StepObserver, TraceRow};
-use lashloop_session::LogEntry;
 use lashloop_bench::timing::{StepOutcome, StepTiming};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::SignalTable;
@@ -15,6 +14,7 @@ use lashloop_record::reader::{Completeness, Record};
 use lashloop_record::samples::{RecordedEdge, RecordedText, SampleWriter, Samples};
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
+use lashloop_session::LogEntry;
 
 use super::{run_in_process, scenario};
 

@@ -1,7 +1,7 @@
 //! The verdict of a run and its reason in one sentence.
 
-use lashloop_campaign::suite::check::Check;
 use lashloop_bench::verdict::{Breach, JudgedExpectation, Verdict};
+use lashloop_campaign::suite::check::Check;
 use lashloop_record::summary::{RunEnd, Summary};
 
 use super::input::Run;

@@ -1,7 +1,7 @@
 //! The expectations of a run: value, limits, margin.
 
-use lashloop_campaign::suite::check::Check;
 use lashloop_bench::verdict::JudgedExpectation;
+use lashloop_campaign::suite::check::Check;
 use maud::{Markup, html};
 
 use super::super::margin::{Grade, Margin};
