@@ -1,8 +1,6 @@
 //! A commissioning as runs of the drive in this process.
 
-use lashloop::commission::{OnDevice, settings};
 use lashloop::execution::OpenDrive;
-use lashloop::identify::files::{drive_toml, plant_toml, table};
 use lashloop::{Bench, Scenario};
 use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::{Override, RunMode, ScenarioErrors};
