@@ -3,8 +3,8 @@
 //! The documented stage is a servo amplifier in torque mode, whose command input takes the duty: `offset` is no torque.
 //! Many amplifiers take a duty near 0 or 1 for a broken wire, so the duty stays within `min` and `max`.
 
-use crate::control::{ParameterError, Real};
 use crate::direction::Direction;
+use crate::law::{ParameterError, Real};
 
 /// Relative difference of a torque from the limits of the duty that rounding to single precision explains.
 const ROUNDING: f32 = 1e-6;

@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::lockstep::Lockstep;
+use crate::lockstep::{Disconnected, Lockstep};
 use crate::pacer::Pacer;
 use crate::pins::Pins;
 use crate::surroundings::End;
@@ -122,9 +122,6 @@ fn wait(
     pacer.resume(Instant::now(), now);
     Ok(bytes)
 }
-
-/// The host has disconnected.
-pub(crate) struct Disconnected;
 
 fn pass_on(mut from_host: impl Read, receiver: &mpsc::Sender<Vec<u8>>) {
     let mut bytes = [0; 4096];

@@ -8,8 +8,6 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use crate::host_link::Disconnected;
-
 /// Device time after which a chip that has sent nothing has ended its turn. It has finished its answers by then.
 const ANSWERED_AFTER: Duration = Duration::from_millis(5);
 /// The same after the report of a control step, whose telemetry follows without a pause. It is shorter than a control period.
@@ -20,6 +18,9 @@ const DELIMITER: u8 = 0;
 const BENCH_SAMPLE: u8 = 0x95;
 /// Wall-clock time after which bytes without a delimiter are passed on: a host may send a part of a frame.
 const PART_LIMIT: Duration = Duration::from_millis(50);
+
+/// The host has disconnected.
+pub(crate) struct Disconnected;
 
 /// Whose turn it is.
 #[derive(Debug, Default)]

@@ -7,7 +7,7 @@
 
 use crate::control::nominal_model::NominalModel;
 use crate::control::real::alpha;
-use crate::control::{Measurement, Real};
+use crate::law::{Measurement, Real};
 
 /// Velocity in rad/s over which the motor's Coulomb friction changes sign.
 const COULOMB_WIDTH_RAD_S: f64 = 0.1;

@@ -9,9 +9,8 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::parameters::Parameters;
 use super::pins::PinHardware;
-use crate::control::ParameterError;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
-use crate::law::{DriveParameters, DriveSignals, LawSet, Signals};
+use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, Signals};
 
 /// Largest move in counts, either way, that the difference of two readings shows without wraparound. One count is
 /// reserved: an encoder may show one count more than it has turned.

@@ -22,8 +22,7 @@ use super::run::{Reply, Run, Source};
 use super::safety::Violation;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
-use crate::control::ParameterError;
-use crate::law::{LawSet, Signal};
+use crate::law::{LawSet, ParameterError, Signal};
 use crate::laws::Laws;
 
 /// The state machine of a drive with these laws.

@@ -207,8 +207,7 @@ fn a_bit_without_a_signal_is_rejected_and_changes_nothing() {
 
 /// Laws with more signals than a frame holds, and with signals that not every law has.
 mod other_laws {
-    use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-    use lashloop_firmware::law::{ControlLaw, DriveParameters};
+    use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
     lashloop_firmware::signals! {
         pub struct Many {

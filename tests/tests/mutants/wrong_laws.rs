@@ -3,8 +3,7 @@
 use lashloop::conformance::CheckStatus;
 use lashloop_bench::link::in_process::InProcess;
 use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::results;
 

@@ -17,10 +17,9 @@
 
 use core::f32::consts::TAU;
 
-use lashloop_firmware::control::Measurement;
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::law::DriveParameters;
+use lashloop_firmware::law::{DriveParameters, Measurement};
 use nalgebra::{SMatrix, SVector};
 
 /// Pole of the observed torque, and torque from which the flanks touch.
