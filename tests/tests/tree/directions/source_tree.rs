@@ -41,6 +41,27 @@ impl SourceTree {
         self.modules.iter().map(|module| module.file.clone())
     }
 
+    /// The path of a module without its extension: where the files of the modules below it are.
+    pub(crate) fn folder(&self, id: ModuleId) -> PathBuf {
+        let file = &self.modules[id].file;
+        match file.parent() {
+            Some(folder) if file.ends_with("mod.rs") => folder.to_owned(),
+            _ => file.with_extension(""),
+        }
+    }
+
+    /// The two modules of one parent that lead to these two; `None` if one of them is above the other.
+    pub(crate) fn siblings(&self, one: ModuleId, other: ModuleId) -> Option<(ModuleId, ModuleId)> {
+        let (one, other) = (self.from_root(one), self.from_root(other));
+        one.into_iter().zip(other).find(|(one, other)| one != other)
+    }
+
+    fn from_root(&self, id: ModuleId) -> Vec<ModuleId> {
+        let mut path: Vec<_> = std::iter::successors(Some(id), |id| self.modules[*id].parent).collect();
+        path.reverse();
+        path
+    }
+
     /// Reads the tree below `root`. `read` returns a file's text, or `None` if the file doesn't exist.
     ///
     /// # Errors
