@@ -8,6 +8,7 @@ use super::channel::Channel;
 use super::measured::Measured;
 use super::meter::Meter;
 use super::sample::Sample;
+use super::trend::Trend;
 
 /// A statistic of a signal, in the signal's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,6 +63,16 @@ impl Statistic {
             Self::PeakToPeak => "largest v less smallest v",
             Self::Std => "root of the sum of (v - mean)^2 / n",
             Self::Final => "v_n",
+        }
+    }
+
+    /// How its value can change.
+    #[must_use]
+    pub const fn trend(self) -> Trend {
+        match self {
+            Self::Max | Self::Peak | Self::PeakToPeak => Trend::Rising,
+            Self::Min => Trend::Falling,
+            Self::Mean | Self::Rms | Self::Std | Self::Final => Trend::Any,
         }
     }
 }
