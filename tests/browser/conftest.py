@@ -65,7 +65,7 @@ class Record:
         return manifest
 
     def rows(self) -> list[dict[str, float]]:
-        """The steps of the trace, rounded; an empty field is no number."""
+        """The steps of the trace, rounded; an empty field isn't a number."""
         with (self.folder / "trace.csv").open() as file:
             return [{name: float(text or "nan") for name, text in row.items()} for row in csv.DictReader(file)]
 

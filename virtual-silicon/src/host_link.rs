@@ -24,7 +24,7 @@ const IDLE_AFTER: Duration = Duration::from_micros(500);
 /// What device time does while the line is silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
-    /// It goes on with the wall clock, and a silent host trips the drive's watchdog.
+    /// It follows the wall clock, and a silent host trips the drive's watchdog.
     Wall,
     /// It stands still until the host sends, and no host is too slow. The chip takes one frame of the host at each of these
     /// turns, so a run repeats bit for bit.

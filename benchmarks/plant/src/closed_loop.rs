@@ -2,7 +2,7 @@
 //!
 //! All sides simulate the same 25 s at 1 kHz: the backlash shaft, its encoders and the law `pd`. A run also carries each sample
 //! and torque as frames, with telemetry, metrics, the torque digest and the verdict; a campaign also writes its table. Rounds
-//! alternate. Processor time is compared, which other programs hardly change; the rate of a campaign is in wall-clock time.
+//! alternate. Processor time is compared, which other programs change little; the rate of a campaign is in wall-clock time.
 
 use std::error::Error;
 use std::num::NonZeroUsize;

@@ -277,7 +277,7 @@ impl<L: LawSet> Drive<L> {
     /// A signal that the law in force doesn't have.
     fn refuse_signal(&mut self, signal: &Signal) -> Outcome {
         let law = L::NAMES.get(self.parameters.law() as usize).copied().unwrap_or_default();
-        self.log(LogLevel::Error, &[signal.name, " is no signal of ", law]);
+        self.log(LogLevel::Error, &[signal.name, " isn't a signal of ", law]);
         Outcome::Inconsistent
     }
 

@@ -1,4 +1,4 @@
-//! A run of bench mode: the pins in place of the host's samples.
+//! A run of bench mode: the pins instead of the host's samples.
 
 use core::f32::consts::TAU;
 use core::time::Duration;

@@ -295,7 +295,7 @@ fn a_signal_of_another_law_is_rejected_in_armed_and_running() {
         let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
             panic!("{answers:?}")
         };
-        assert_eq!(log.text.as_str(), "n is no signal of many");
+        assert_eq!(log.text.as_str(), "n isn't a signal of many");
         assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, state));
     }
 }
@@ -309,7 +309,7 @@ fn a_signal_of_another_law_is_accepted_in_idle_and_checked_by_arm() {
     let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
         panic!("{answers:?}")
     };
-    assert_eq!(log.text.as_str(), "n is no signal of many");
+    assert_eq!(log.text.as_str(), "n isn't a signal of many");
     assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, State::Idle));
     host.set("controller", ParameterValue::U32(1));
     assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));

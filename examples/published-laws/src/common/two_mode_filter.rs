@@ -7,7 +7,7 @@
 //! - One filter has the mechanics and the size; the paper has one estimator for each.
 //! - Samples come at a fixed rate; those of the paper come with each pulse of a sensor.
 //! - The mode follows the torque that the motor observes, not the estimated twist. A gap that is overestimated would
-//!   otherwise hide contact for ever.
+//!   otherwise hide contact forever.
 //! - The stiffness and a disturbing torque of the load are states, because plants differ by 30 % and have dry friction.
 //!
 //! ```text

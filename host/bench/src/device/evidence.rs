@@ -154,7 +154,7 @@ fn newer_source(program: &Path) -> Option<PathBuf> {
     let built = modified(program)?;
     let list = fs::read_to_string(program.with_extension("d")).ok()?;
     let newest = sources(&list)
-        // A commit is no change of a source, and the build id has it.
+        // A commit doesn't change a source, and the build id has it.
         .filter(|path| !path.components().any(|part| part.as_os_str() == ".git"))
         // A folder changes with every file that an editor keeps in it.
         .filter(|path| path.is_file())

@@ -120,7 +120,7 @@ metrics! {
         dead_zone(setup)?;
         statistic(setup.needed(DEAD_ZONE.0)?, Statistic::Final)
     };
-    /// The last estimate of j0 less the true j0 of its sample.
+    /// The last estimate of j0 minus the true j0 of its sample.
     DeadZoneError = "dead_zone_error_rad" in "rad" trend Any by |setup| statistic(dead_zone(setup)?, Statistic::Final);
     /// The drive's last standard deviation of its estimate of j0.
     DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" trend Any by |setup| {
@@ -130,17 +130,17 @@ metrics! {
     DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" trend Settling by |setup| {
         boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
     };
-    /// Mean of estimate less true j0 over the last 5 s.
+    /// Mean of estimate minus true j0 over the last 5 s.
     DeadZoneBias = "dead_zone_bias_rad" in "rad" trend Any by |setup| tail(setup, dead_zone(setup)?, Figure::Mean, 5.0);
     /// Largest abs(estimate - j0) since the first estimate within 0.02 rad, settled or not.
     DeadZoneLargestError = "dead_zone_largest_error_rad" in "rad" trend Rising by |setup| {
         boxed(LargestOnceInside::new(dead_zone(setup)?, ESTIMATE_SETTLED_RAD))
     };
-    /// Root of the mean square of estimate less true w, the disturbing torque w = C - K z.
+    /// Root of the mean square of estimate minus true w, the disturbing torque w = C - K z.
     DisturbingTorqueRmsError = "disturbing_torque_rms_error_nm" in "N m" trend Any by |setup| {
         statistic(disturbing_torque(setup)?, Statistic::Rms)
     };
-    /// Mean of estimate less true w.
+    /// Mean of estimate minus true w.
     DisturbingTorqueBias = "disturbing_torque_bias_nm" in "N m" trend Any by |setup| {
         statistic(disturbing_torque(setup)?, Statistic::Mean)
     };

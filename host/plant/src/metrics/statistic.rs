@@ -23,7 +23,7 @@ pub enum Statistic {
     Rms,
     /// Largest amount.
     Peak,
-    /// Largest value less smallest value.
+    /// Largest value minus smallest value.
     PeakToPeak,
     /// Standard deviation: root of the mean square of the distance from the mean.
     Std,
@@ -60,7 +60,7 @@ impl Statistic {
             Self::Mean => "sum of v / n",
             Self::Rms => "root of the sum of v^2 / n",
             Self::Peak => "largest abs(v)",
-            Self::PeakToPeak => "largest v less smallest v",
+            Self::PeakToPeak => "largest v minus smallest v",
             Self::Std => "root of the sum of (v - mean)^2 / n",
             Self::Final => "v_n",
         }

@@ -183,7 +183,7 @@ fn the_sentence_states_why_the_verdict_is_what_it_is() {
         ),
         (
             serde_json::json!({ "verdict": "INVALID", "breaches": [{ "what": "late", "counted": 312, "allowed": 0 }] }),
-            "late is 312, allow.late is 0: the run is no evidence on the drive.",
+            "late is 312, allow.late is 0: the run proves nothing about the drive.",
         ),
         (
             serde_json::json!({ "verdict": "FAIL", "end": "the drive latched X", "simulated_s": 1.5 }),

@@ -1,4 +1,4 @@
-//! The privileges by which a thread wakes in time. A refusal is reported and is no error.
+//! The privileges by which a thread wakes in time. A refusal is reported and isn't an error.
 
 use std::num::NonZeroU64;
 use std::time::Duration;
