@@ -20,6 +20,7 @@
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
 //! | [`braking_curve`] | that inverse, led along a braking curve with margin for plants within a tolerance; not from the paper |
 //! | [`open_loop`] | the reference as a torque, for commissioning |
+//! | `lag` | gain of a first-order lag |
 //! | `load_observer` | load velocity from counts |
 //! | `motor_friction` | direction of the motor's dry friction |
 //! | `gap_identification` | compliance and half gap by recursive least squares |
@@ -39,6 +40,7 @@ pub mod dead_zone_observer;
 mod encoder_channel;
 pub mod feed_forward;
 mod gap_identification;
+mod lag;
 mod load_observer;
 pub mod merzouki;
 pub mod merzouki_as_printed;

@@ -9,7 +9,7 @@ use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::real::alpha;
+use crate::control::lag::alpha;
 use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// What the law needs besides mechanics and gains.

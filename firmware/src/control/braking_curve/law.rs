@@ -10,7 +10,7 @@ use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::MomentumObserver;
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::real::alpha;
+use crate::control::lag::alpha;
 use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// Periods in a row with a balanced motor before a sample counts for the gap.
