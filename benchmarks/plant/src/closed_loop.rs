@@ -27,7 +27,7 @@ use lashloop_plant::metrics::{Measured, Metric};
 use rustix::time::{ClockId, clock_gettime};
 
 use crate::c_side::{CSide, PLAIN};
-use crate::median;
+use crate::round::median;
 
 const ROUNDS: usize = 9;
 /// Runs of one side in a round.

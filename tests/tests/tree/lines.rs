@@ -90,15 +90,18 @@ fn wrong_limits(code_lines_of: &BTreeMap<String, usize>, limits: &[(&str, usize)
         }
         Some(_) => None,
     });
-    let is_unknown = |package: &&str| !code_lines_of.contains_key(*package);
-    let unknown = limit_of.into_keys().filter(is_unknown);
+    let is_unknown = |package: &&&str| !code_lines_of.contains_key(**package);
+    let unknown = limit_of.keys().filter(is_unknown);
     packages.chain(unknown.map(|package| format!("{package}: a limit, and no such package"))).collect()
 }
 
 /// The rows of the limits for this many code lines.
 fn table_of(code_lines_of: &BTreeMap<String, usize>) -> String {
     let row = |(package, lines): (&String, &usize)| {
-        format!("    ({package:?}, {}),\n", lines.next_multiple_of(STEP))
+        let limit = lines.next_multiple_of(STEP);
+        let limit =
+            if limit < 1000 { limit.to_string() } else { format!("{}_{:03}", limit / 1000, limit % 1000) };
+        format!("    ({package:?}, {limit}),\n")
     };
     code_lines_of.iter().map(row).collect()
 }
@@ -123,6 +126,7 @@ fn a_limit_is_wrong_below_the_code_and_far_above_it() {
     assert_eq!(wrong(1_001), ["host: 1001 code lines, at most 1000 are allowed"]);
     assert_eq!(wrong(899), ["host: 899 code lines, so its limit of 1000 must fall"]);
     assert_eq!(table_of(&code_lines_of(899)), "    (\"host\", 900),\n");
+    assert_eq!(table_of(&code_lines_of(1_001)), "    (\"host\", 1_050),\n");
 }
 
 #[test]

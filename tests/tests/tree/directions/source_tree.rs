@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use syn::Item;
+use syn::{Attribute, Expr, ExprLit, Item, Lit, Meta, MetaNameValue};
 
 use crate::production;
 
@@ -96,7 +96,10 @@ impl SourceTree {
             let child = match module.content {
                 Some((_, items)) => self.add(Some(id), file.clone(), &folder, items, read)?,
                 None => {
-                    let places = [folder.with_extension("rs"), folder.join("mod.rs")];
+                    let places = match path_attribute(&module.attrs) {
+                        Some(path) => vec![file.with_file_name(path)],
+                        None => vec![folder.with_extension("rs"), folder.join("mod.rs")],
+                    };
                     let found = places.into_iter().find_map(|place| read(&place).map(|text| (place, text)));
                     let (place, text) =
                         found.with_context(|| format!("{}: no file of module {name}", file.display()))?;
@@ -108,6 +111,18 @@ impl SourceTree {
         }
         Ok(id)
     }
+}
+
+/// The file that `#[path = "..."]` names, relative to the file of the declaration.
+fn path_attribute(attributes: &[Attribute]) -> Option<String> {
+    attributes.iter().find_map(|attribute| match &attribute.meta {
+        Meta::NameValue(MetaNameValue {
+            path,
+            value: Expr::Lit(ExprLit { lit: Lit::Str(name), .. }),
+            ..
+        }) if path.is_ident("path") => Some(name.value()),
+        _ => None,
+    })
 }
 
 fn parse(path: &Path, text: &str) -> Result<Vec<Item>> {
