@@ -65,7 +65,7 @@
 //! | [`decode`] | the frames of a capture or of a raw stream as text |
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
 //! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
-//! | [`live`] | a run in a browser while it goes on |
+//! | [`live`] | a run in a browser while it lasts |
 //! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
 //! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
 //! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |

@@ -16,7 +16,7 @@ use crate::outcome::Outcome;
 /// once its line closes; only the command line can tie it to the program.
 ///
 /// # Errors
-/// The scenario does not fit the drive, or drive, link or plant failed. A missed expectation is no error but a verdict.
+/// The scenario does not fit the drive, or drive, link or plant failed. A missed expectation isn't an error but a verdict.
 pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error> {
     let supervisor = Supervisor::without_signals(None).map_err(Error::Thread)?;
     let opened = DeviceUnderTest::open(scenario, device, ClockName::Lockstep, &supervisor, |link| link);

@@ -12,7 +12,7 @@ use lashloop_bench::supervisor::Supervisor;
 #[derive(Debug)]
 pub struct MeasuredLine {
     pub timing: Timing,
-    /// `None` for a line that is no terminal.
+    /// `None` for a line that isn't a terminal.
     pub latency_timer: Option<LatencyTimer>,
 }
 
