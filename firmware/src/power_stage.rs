@@ -1,10 +1,10 @@
 //! The power stage: from a torque to the duty of a pulse-width modulation, and what switches the bridge.
 //!
-//! The documented stage is a servo amplifier in torque mode, whose command input takes the duty: `offset` is no torque.
+//! The documented stage is a servo amplifier in torque mode, whose command input takes the duty: `offset` gives zero torque.
 //! Many amplifiers take a duty near 0 or 1 for a broken wire, so the duty stays within `min` and `max`.
 
-use crate::control::{ParameterError, Real};
 use crate::direction::Direction;
+use crate::law::{ParameterError, Real};
 
 /// Relative difference of a torque from the limits of the duty that rounding to single precision explains.
 const ROUNDING: f32 = 1e-6;
@@ -49,7 +49,7 @@ pub struct DutyScale {
 }
 
 impl DutyScale {
-    /// Checks the scale, and that every torque up to `torque_limit_nm`, either way, has a duty.
+    /// Checks the scale, and that every torque up to `torque_limit_nm`, in either direction, has a duty.
     ///
     /// # Errors
     /// The parameter beyond what the others allow.
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    /// 10 to 90 % for 8 N m either way.
+    /// 10 to 90 % for 8 N m in either direction.
     const SCALE: DutyScale =
         DutyScale { nm_per_full_duty: 20.0, offset: 0.5, min: 0.1, max: 0.9, direction: Direction::Forward };
 

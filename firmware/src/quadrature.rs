@@ -25,7 +25,7 @@ pub struct QuadratureCounter {
 struct Last {
     hardware: u16,
     counts: EncoderCounts,
-    /// Phase of the channels less the count, modulo 4; `None` until the first comparison.
+    /// Phase of the channels minus the count, modulo 4; `None` until the first comparison.
     offset: Option<u16>,
 }
 

@@ -164,7 +164,7 @@ impl Link for Hostile {
         let now = self.drive.now();
         let started = *self.started.get_or_insert(now);
         self.reads += 1;
-        assert!(now - started < LONGEST_SESSION && self.reads < MOST_READS, "the session goes on for ever");
+        assert!(now - started < LONGEST_SESSION && self.reads < MOST_READS, "the session never ends");
         let mut sent = [0; 8 * MAX_FRAME];
         while self.ready.is_empty() {
             if self.babble > 0 && now < deadline {

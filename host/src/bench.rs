@@ -48,7 +48,7 @@ impl Bench {
         Self { plants: self.plants.with(model), ..self }
     }
 
-    /// Reads a scenario file, with `settings` in place of its values: `plant.dead_zone_rad=0.2`, as after `--set`.
+    /// Reads a scenario file, with `settings` instead of its values: `plant.dead_zone_rad=0.2`, as after `--set`.
     ///
     /// # Errors
     /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.

@@ -15,7 +15,7 @@ pub enum Error {
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
     /// No device has this name.
-    #[error("{name:?} is no device: {problem}")]
+    #[error("{name:?} isn't a device: {problem}")]
     Device {
         /// The name.
         name: String,

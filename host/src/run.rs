@@ -20,7 +20,5 @@ pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error>
     let supervisor = Supervisor::without_signals(None).map_err(Error::Thread)?;
     let mut signals = Columns::default();
     let made = Execution::new(scenario.clone(), device.into()).watch(&mut signals).run(&supervisor)?;
-    let run = made.outcome.clone();
-    drop(made);
-    Ok(Outcome::new(run, signals))
+    Ok(Outcome::new(made.outcome, signals))
 }

@@ -477,7 +477,7 @@ enum lashloop_parameter_type {
 /* uint32_t: Damaged frames. */
 #define LASHLOOP_LINE_REPORT_DAMAGED_OFFSET 5
 #define LASHLOOP_LINE_REPORT_DAMAGED_LEN 4
-/* uint32_t: Whole frames that are no message of this protocol version. */
+/* uint32_t: Whole frames that aren't messages of this protocol version. */
 #define LASHLOOP_LINE_REPORT_REFUSED_OFFSET 9
 #define LASHLOOP_LINE_REPORT_REFUSED_LEN 4
 /* uint32_t: Bytes lost in the receiver before framing. */

@@ -21,7 +21,7 @@ pub struct Counters {
     pub malformed: u32,
     /// Frames with a wrong CRC.
     pub crc_errors: u32,
-    /// Whole frames that are no message of this direction and protocol version.
+    /// Whole frames that aren't messages of this direction and protocol version.
     pub refused: u32,
 }
 

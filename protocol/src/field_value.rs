@@ -106,7 +106,7 @@ impl fmt::Display for FieldValue<'_> {
 }
 
 impl FieldLayout {
-    /// The value of the field in a body; `None` if the body is too short or the bytes are no value of the field's type.
+    /// The value of the field in a body; `None` if the body is too short or the bytes aren't a value of the field's type.
     #[must_use]
     pub fn value<'a>(&self, body: &'a [u8]) -> Option<FieldValue<'a>> {
         self.ty.value(self.bytes(body)?)
@@ -114,7 +114,7 @@ impl FieldLayout {
 }
 
 impl FieldType {
-    /// The value that `bytes` hold; `None` if they are no value of this type.
+    /// The value that `bytes` hold; `None` if they aren't a value of this type.
     #[must_use]
     pub fn value(self, bytes: &[u8]) -> Option<FieldValue<'_>> {
         Some(match self {

@@ -56,7 +56,7 @@ fn close(buffer: &mut [u8; MAX_FRAME], body_len: usize) {
     buffer[crc_end] = DELIMITER;
 }
 
-/// The bytes between two delimiters are no message. The receiver discards them whole.
+/// The bytes between two delimiters aren't a message. The receiver discards them whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameError {
     /// No delimiter within the longest frame.
@@ -85,7 +85,7 @@ pub enum FrameError {
         /// CRC in the frame.
         found: u32,
     },
-    /// The frame is whole but is no message of this protocol version and direction.
+    /// The frame is whole but isn't a message of this protocol version and direction.
     #[error(transparent)]
     Body(#[from] BodyError),
     /// The stream ended inside a frame.

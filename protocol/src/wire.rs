@@ -22,7 +22,7 @@ pub trait Wire: Copy {
     /// Writes the value to `out`, which is exactly [`Self::byte_len`] bytes long.
     fn put(self, out: &mut [u8]);
 
-    /// Reads the value from bytes of a length that the type allows; `None` if the bytes are no value of this type.
+    /// Reads the value from bytes of a length that the type allows; `None` if the bytes aren't a value of this type.
     fn get(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -44,7 +44,7 @@ pub trait Payload: Copy {
     fn get(body: &[u8]) -> Result<Self, BodyError>;
 }
 
-/// A body with a correct CRC that is no message of this protocol version.
+/// A body with a correct CRC that isn't a message of this protocol version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BodyError {
     /// No message of this direction has this kind byte.
@@ -78,8 +78,8 @@ pub enum BodyError {
         /// Length received, in bytes.
         found: usize,
     },
-    /// A field holds bytes that are no value of its type.
-    #[error("{name}.{field} holds bytes that are no value of its type")]
+    /// A field holds bytes that aren't a value of its type.
+    #[error("{name}.{field} holds bytes that aren't a value of its type")]
     Value {
         /// Name of the message.
         name: &'static str,

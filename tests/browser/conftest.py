@@ -68,7 +68,7 @@ class Record:
         return manifest
 
     def rows(self) -> list[dict[str, float]]:
-        """The steps of the run; an empty field is no number."""
+        """The steps of the run; an empty field isn't a number."""
         with (self.folder / "export.csv").open() as file:
             return [{name: float(text or "nan") for name, text in row.items()} for row in csv.DictReader(file)]
 

@@ -189,7 +189,7 @@ def test_names_of_others_are_text(open_page: Opener, failed: Record, tmp_path: P
 
 
 def replaced(value: object) -> object:
-    """Hostile text in place of every text but those that steer the page."""
+    """Hostile text instead of every text but those that steer the page."""
     if isinstance(value, dict):
         kept = {"signals", "mode", "clock", "verdict", "metric", "statistic"}
         return {key: it if key in kept else replaced(it) for key, it in value.items()}

@@ -115,7 +115,7 @@ impl Row {
             "FAIL" => 1,
             "INVALID" => 3,
             "exit 4" => 4,
-            other => panic!("{other} is no end: {context}"),
+            other => panic!("{other} isn't an end: {context}"),
         };
         assert_eq!(ended.code, Some(code), "{context}");
         let summary = records.summary_text().map(|_| records.summary());
@@ -152,7 +152,7 @@ impl Row {
             "torque held" => assert!(unanswered > 0 && shows_it.is_none(), "nothing to hold: {context}"),
             "none" => assert!(unanswered == 0 && shows_it.is_none(), "a reaction: {context}"),
             "run ended" => assert!(nothing_follows_the_last_sample(records, context), "{context}"),
-            other => panic!("{other} is no reaction: {context}"),
+            other => panic!("{other} isn't a reaction: {context}"),
         }
     }
 
@@ -179,7 +179,7 @@ impl Row {
                 assert!((self.step()..=self.step() + bound).contains(&rows), "{rows} rows: {context}");
             }
             _ if self.within == "the end" => assert_eq!(rows, 8_000, "{context}"),
-            _ => panic!("{} is no bound: {context}", self.within),
+            _ => panic!("{} isn't a bound: {context}", self.within),
         }
     }
 }
@@ -200,7 +200,7 @@ fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
             .into_iter()
             .flatten()
             .any(|finding| finding["metric"] == metric && finding["ok"] == false),
-        _ => panic!("{detector} is no detector"),
+        _ => panic!("{detector} isn't a detector"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Conditions with deadlines, in place of fixed sleeps.
+//! Conditions with deadlines, instead of fixed sleeps.
 
 use std::thread;
 use std::time::{Duration, Instant};

@@ -63,7 +63,7 @@ pub(crate) fn serve() -> Result<()> {
     }
 }
 
-/// Ends the guest when a test ends without its request: a write to the channel would block for ever.
+/// Ends the guest when a test ends without its request: a write to the channel would block forever.
 fn power_off_without_test(channel: &File) {
     let mut channel = [PollFd::new(channel, PollFlags::empty())];
     // Without flags poll reports the end of the connection only.

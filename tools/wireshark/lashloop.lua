@@ -450,7 +450,7 @@ local function show_elements(tree, name, ty, range)
     return table.concat(shown, of and ", " or " ")
 end
 
--- nil if the bytes are no value of the type
+-- nil if the bytes aren't a value of the type
 local function show_field(tree, field, range)
     local name, ty = field[1], field[2]
     if ty.is_value then return show_value(tree, name, range) end
@@ -530,7 +530,7 @@ local function show_message(tree, message, body, body_len, pinfo)
         local range = body(at, len)
         shown[field[1]] = show_field(tree, field, range)
         if not shown[field[1]] then
-            return nil, string.format("%s.%s holds bytes that are no value of its type", name, field[1])
+            return nil, string.format("%s.%s holds bytes that aren't a value of its type", name, field[1])
         end
         at = at + len
     end

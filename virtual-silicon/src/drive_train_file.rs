@@ -47,7 +47,7 @@ struct Released {
 /// Builds the drive train of a description.
 ///
 /// # Errors
-/// The description is no JSON of this form, names a plant or key that doesn't exist, or a value is outside its range.
+/// The description isn't JSON of this form, names a plant or key that doesn't exist, or a value is outside its range.
 pub fn read(text: &str) -> Result<DriveTrain> {
     let Description { model, values, start, period_s, scales } =
         serde_json::from_str(text).context("not the description of a drive train")?;

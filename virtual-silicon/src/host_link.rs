@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::lockstep::Lockstep;
+use crate::lockstep::{Disconnected, Lockstep};
 use crate::pacer::Pacer;
 use crate::pins::Pins;
 use crate::surroundings::End;
@@ -24,7 +24,7 @@ const IDLE_AFTER: Duration = Duration::from_micros(500);
 /// What device time does while the line is silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
-    /// It goes on with the wall clock, and a silent host trips the drive's watchdog.
+    /// It follows the wall clock, and a silent host trips the drive's watchdog.
     Wall,
     /// It stands still until the host sends, and no host is too slow. The chip takes one frame of the host at each of these
     /// turns, so a run repeats bit for bit.
@@ -122,9 +122,6 @@ fn wait(
     pacer.resume(Instant::now(), now);
     Ok(bytes)
 }
-
-/// The host has disconnected.
-pub(crate) struct Disconnected;
 
 fn pass_on(mut from_host: impl Read, receiver: &mpsc::Sender<Vec<u8>>) {
     let mut bytes = [0; 4096];

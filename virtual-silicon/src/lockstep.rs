@@ -8,8 +8,6 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use crate::host_link::Disconnected;
-
 /// Device time after which a chip that has sent nothing has ended its turn. It has finished its answers by then.
 const ANSWERED_AFTER: Duration = Duration::from_millis(5);
 /// The same after the report of a control step, whose telemetry follows without a pause. It is shorter than a control period.
@@ -20,6 +18,9 @@ const DELIMITER: u8 = 0;
 const BENCH_SAMPLE: u8 = 0x95;
 /// Wall-clock time after which bytes without a delimiter are passed on: a host may send a part of a frame.
 const PART_LIMIT: Duration = Duration::from_millis(50);
+
+/// The host has disconnected.
+pub(crate) struct Disconnected;
 
 /// Whose turn it is.
 #[derive(Debug, Default)]
@@ -41,7 +42,7 @@ impl Lockstep {
                 self.has_reported |= self.is_report;
                 (self.place, self.is_report) = (0, false);
             } else {
-                // The kind is no zero, so stuffing leaves it as it is.
+                // The kind isn't zero, so stuffing leaves it as it is.
                 self.is_report |= self.place == 1 && *byte == BENCH_SAMPLE;
                 self.place += 1;
             }
@@ -95,7 +96,7 @@ mod tests {
     fn a_report_of_a_step_ends_the_turn_sooner_than_an_answer() {
         let mut lockstep = Lockstep::default();
         lockstep.note_sent(&[4, 0x88, BENCH_SAMPLE, 1, 0]);
-        assert!(!lockstep.is_hosts_turn(ANSWERED_AFTER), "the second byte of a body is no kind");
+        assert!(!lockstep.is_hosts_turn(ANSWERED_AFTER), "the second byte of a body isn't a kind");
         lockstep.note_sent(&[4, BENCH_SAMPLE]);
         lockstep.note_sent(&[1, 2, 0]);
         assert!(lockstep.is_hosts_turn(2 * REPORTED_AFTER) && !lockstep.is_hosts_turn(REPORTED_AFTER));

@@ -33,7 +33,7 @@ struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Wiring::BOARDS.map(|(name, _)| name)))]
     board: Option<String>,
 
-    /// Abstract socket to connect USART2 to, in place of standard input and output
+    /// Abstract socket to connect USART2 to, instead of standard input and output
     #[arg(long, value_name = "NAME")]
     socket: Option<String>,
 
@@ -47,7 +47,7 @@ struct Arguments {
 }
 
 /// Device time at which the host is connected. The image has configured its USART by then, and what the emulation takes for the
-/// start of it is no part of a handshake.
+/// start of it isn't part of a handshake.
 const BOOTED_AT: Duration = Duration::from_millis(20);
 
 /// Connects the host.

@@ -1,7 +1,7 @@
 //! Device time against the wall clock.
 //!
 //! Device time never runs ahead of the wall clock, or the drive's watchdog would time out on a host that is in time. It
-//! may lag behind: what the emulation takes longer than the silicon is no time of the drive, so a slow machine trips no
+//! may lag behind: where the emulation is slower than the silicon, device time waits for it, so a slow machine trips no
 //! watchdog either. A wait that lasts too long is made up for, but not one that the machine or a signal has stopped.
 
 use std::time::{Duration, Instant};

@@ -30,16 +30,16 @@ impl Symbols {
     /// The image, as the chip's flash memory holds it.
     ///
     /// # Errors
-    /// The file is no image.
+    /// The file isn't an image.
     pub fn image(&self) -> Result<Image> {
         let image = Image::new(&self.path, self.bytes.clone(), None);
-        image.with_context(|| format!("{} is no image", self.path.display()))
+        image.with_context(|| format!("{} isn't an image", self.path.display()))
     }
 
     /// Name of the board that the image is for.
     ///
     /// # Errors
-    /// The file is no ELF file.
+    /// The file isn't an ELF file.
     pub fn board(&self) -> Result<Option<String>> {
         let file = self.elf()?;
         let mut names = file.symbols().filter_map(|symbol| symbol.name().ok()?.strip_prefix(BOARD));
@@ -135,7 +135,7 @@ impl Symbols {
     }
 
     fn elf(&self) -> Result<File<'_>> {
-        File::parse(&self.bytes[..]).with_context(|| format!("{} is no ELF file", self.path.display()))
+        File::parse(&self.bytes[..]).with_context(|| format!("{} isn't an ELF file", self.path.display()))
     }
 
     /// The only symbol of this name.

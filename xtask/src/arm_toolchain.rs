@@ -106,7 +106,7 @@ impl ArmToolchain {
         Ok(clippy)
     }
 
-    /// `cargo build` of a package for the board that is no member of the workspace.
+    /// `cargo build` of a package for the board that isn't a member of the workspace.
     pub(crate) fn build_manifest(&self, manifest: &str) -> Command {
         let mut build = cargo("build --locked --manifest-path");
         build.arg(manifest);

@@ -121,7 +121,7 @@ impl Counts {
         drop(command);
         let mut sum = Self::default();
         for line in BufReader::new(reader).split(b'\n') {
-            // A test may print bytes that are no UTF-8.
+            // A test may print bytes that aren't UTF-8.
             let line = String::from_utf8_lossy(&line?).into_owned();
             print(&line);
             sum += read(&line).unwrap_or_default();

@@ -20,7 +20,7 @@ const TARGETS: [(&str, u32); 5] =
     [("decoder", 160), ("frames", 192), ("drive", 128), ("session", 128), ("scenario", 4096)];
 
 /// What `cargo fuzz build --sanitizer none` passes to the compiler, without the hooks at comparisons and the depth of the stack: they
-/// cost more than the code between them. A comparison with a CRC or an enum is no obstacle, because the targets make frames of bodies.
+/// cost more than the code between them. A comparison with a CRC or an enum doesn't stop them, because the targets make frames of bodies.
 const COVERAGE: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=3 \
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table";
 

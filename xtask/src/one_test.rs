@@ -19,7 +19,7 @@ use crate::counts::Counts;
 use crate::log::taken;
 use crate::test_programs::TestProgram;
 
-/// Most failed tests of a ring that get a second attempt: more are no stall.
+/// Most failed tests of a ring that get a second attempt: more aren't a stall.
 const SECOND_ATTEMPTS: usize = 3;
 
 /// What the line begins with by which a test of wall-clock time gives no verdict.

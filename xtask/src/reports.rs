@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn the_lines_of_text_files_are_reported_until_they_are_cleared() {
         let folder = env::temp_dir().join(format!("lashloop-reports-{}", process::id()));
-        clear(&folder).expect("no folder is no error");
+        clear(&folder).expect("a missing folder isn't an error");
         assert!(lines(&folder).expect("no folder has no reports").is_empty());
         fs::create_dir(&folder).expect("a folder");
         for (name, text) in [("b.txt", "two\nthree\n"), ("a.txt", "one"), ("c.json", "{}")] {

@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use tempfile::TempDir;
 
-use crate::Round;
+use crate::round::Round;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/c");
 /// Flags of the plants.

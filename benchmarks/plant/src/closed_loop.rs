@@ -2,7 +2,7 @@
 //!
 //! All sides simulate the same 25 s at 1 kHz: the backlash shaft, its encoders and the law `pd`. A run also carries each sample
 //! and torque as frames, with telemetry, metrics, the torque digest and the verdict; a campaign also writes its table. Rounds
-//! alternate. Processor time is compared, which other programs hardly change; the rate of a campaign is in wall-clock time.
+//! alternate. Processor time is compared, which other programs change little; the rate of a campaign is in wall-clock time.
 
 use std::error::Error;
 use std::num::NonZeroUsize;
@@ -27,7 +27,7 @@ use lashloop_plant::metrics::{Measured, Metric};
 use rustix::time::{ClockId, clock_gettime};
 
 use crate::c_side::{CSide, PLAIN};
-use crate::median;
+use crate::round::median;
 
 const ROUNDS: usize = 9;
 /// Runs of one side in a round.

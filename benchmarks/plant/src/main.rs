@@ -9,25 +9,18 @@
 
 mod c_side;
 mod closed_loop;
+mod round;
 mod rust_side;
 
 use std::error::Error;
 
 use c_side::CSide;
+use round::median;
 
 /// Number of rounds.
 const ROUNDS: usize = 21;
 /// Control periods of 1 ms in a round.
 const PERIODS: u32 = 20_000;
-
-/// One round of one plant on one side.
-#[derive(Debug, Clone, Copy)]
-pub struct Round {
-    /// Wall-clock time.
-    pub ns: f64,
-    /// Final positions of load and motor.
-    pub ends_rad: [f64; 2],
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("load: {}", std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim());
@@ -76,9 +69,4 @@ fn plants() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

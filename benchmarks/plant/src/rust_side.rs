@@ -9,7 +9,7 @@ use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Mechanics, Plants, Positions, Release, Start, TwoMass};
 
-use crate::Round;
+use crate::round::Round;
 
 /// A plant with the substeps of its scenarios.
 pub struct Named {

@@ -66,8 +66,8 @@ def test_parameters_are_listed_set_and_retained() -> None:
     [
         ("torque_limit=5", "lashloop: the drive has no parameter torque_limit; did you mean torque_limit_nm"),
         ("torque_limit_nm=2000", "lashloop: torque_limit_nm = 2000.0: the drive accepts 0 to 1000 N m\n"),
-        ("torque_limit_nm", "torque_limit_nm is no setting; expected NAME=VALUE\n"),
-        ("torque_limit_nm=", "torque_limit_nm= is no setting; expected NAME=VALUE\n"),
+        ("torque_limit_nm", "torque_limit_nm isn't a setting; expected NAME=VALUE\n"),
+        ("torque_limit_nm=", "torque_limit_nm= isn't a setting; expected NAME=VALUE\n"),
         ("torque_limit_nm=five", "lashloop: torque_limit_nm = 'five': the drive accepts 0 to 1000 N m\n"),
         ("controller=merzouki", "lashloop: controller = 'merzouki': the drive accepts pd\n"),
     ],

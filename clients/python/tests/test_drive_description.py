@@ -228,7 +228,7 @@ def test_a_signal_of_another_law_is_refused_while_armed_and_running() -> None:
     for dut in (armed, running):
         log, result = dut.send(Subscribe(1 << OF_RAMP, 1))
         assert isinstance(log, Log)
-        assert log.text == "ramp_step is no signal of pd"
+        assert log.text == "ramp_step isn't a signal of pd"
         assert result == CommandResult(Subscribe.KIND, Outcome.INCONSISTENT, dut.drive.state)
         assert dut.subscribe(OF_BOTH) is Outcome.ACCEPTED
 
@@ -238,7 +238,7 @@ def test_arming_refuses_a_signal_of_another_law_by_name() -> None:
     assert dut.subscribe(OF_RAMP) is Outcome.ACCEPTED
     log, result = dut.send(Arm(SESSION))
     assert isinstance(log, Log)
-    assert log.text == "ramp_step is no signal of pd"
+    assert log.text == "ramp_step isn't a signal of pd"
     assert result == CommandResult(Arm.KIND, Outcome.INCONSISTENT, State.IDLE)
     dut.set("controller", ParameterValue.u32(1))
     assert dut.only(CommandResult, Arm(SESSION)).outcome is Outcome.ACCEPTED

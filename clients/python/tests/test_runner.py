@@ -303,5 +303,5 @@ def test_the_program_is_found_in_the_documented_order(
     monkeypatch.setenv(VARIABLE, str(old))
     assert find_program() == old
     monkeypatch.setenv(VARIABLE, "/nowhere/lashloop")
-    with pytest.raises(lashloop.ProgramNotFoundError, match="LASHLOOP_BIN is /nowhere/lashloop, which is no file"):
+    with pytest.raises(lashloop.ProgramNotFoundError, match="LASHLOOP_BIN is /nowhere/lashloop, which isn't a file"):
         find_program()

@@ -12,8 +12,7 @@
 //! ```
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 /// Load error to wanted load velocity, lambda (1/s).
 const APPROACH_RATE_1_S: f32 = 2.5;

@@ -62,7 +62,7 @@ impl Tick {
         monitor: &mut impl Mutex<T = Option<TickMonitor>>,
     ) {
         self.timer.clear_flags(Flag::Update);
-        // Of a run that goes on the period is at hand; otherwise reading it is a tenth of a step.
+        // A run that continues has the period at hand; otherwise reading it is a tenth of a step.
         let period = match drive.state() {
             State::Running => drive.run_period().unwrap_or(self.period),
             _ => drive.period(),

@@ -1,6 +1,6 @@
 //! The independent watchdog: resets the chip, and with it every output, if the tasks stop without a fault.
 //!
-//! A core that a debugger halts has stopped too. The watchdog goes on, and TIM1 stops with its outputs idle, as without main
+//! A core that a debugger halts has stopped too. The watchdog continues, and TIM1 stops with its outputs idle, as without main
 //! output enable (RM0090 17.3.21): a motor never waits at its last torque for a breakpoint to end.
 
 use core::sync::atomic::{AtomicBool, Ordering};

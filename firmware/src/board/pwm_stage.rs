@@ -11,7 +11,7 @@ const PERIOD_CYCLES: u16 = 8_400;
 /// What a board has between timer and motor.
 pub trait StageLines {
     /// Time in which both switches of a half-bridge are off, in cycles of the timer, up to 127: channels 1 and 2 with their
-    /// complements drive a half-bridge at the duty, and one at 1 less the duty. `None` for a pulse output on channel 1, and a
+    /// complements drive a half-bridge at the duty, and one at 1 minus the duty. `None` for a pulse output on channel 1, and a
     /// break input that switches it off without software while it is high.
     const DEAD_TIME_CYCLES: Option<u8>;
 

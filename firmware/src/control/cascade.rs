@@ -6,7 +6,7 @@
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement, Real};
+use crate::law::{ControlOutput, Measurement, Real};
 
 crate::parameters! {
     /// Gains of the cascade, by default those of tables 1 and 2 of the paper.

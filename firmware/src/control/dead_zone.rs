@@ -5,8 +5,8 @@
 //! the *nominal* amplitude, equation (5), so that C has no slope at z = 0; only the amplitude j in front is estimated,
 //! equation (19).
 
-use crate::control::Real;
 use crate::control::nominal_model::NominalModel;
+use crate::law::Real;
 
 /// The smoothed dead zone of any amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]

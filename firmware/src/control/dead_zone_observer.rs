@@ -4,7 +4,7 @@
 //! from which it approaches, and extends it by symmetry. The estimate is clamped from zero to an upper bound. A bound
 //! below 2 rad distorts the paper's transient, in which the estimate passes through 1.7 rad.
 
-use crate::control::{ParameterError, Real};
+use crate::law::{ParameterError, Real};
 
 crate::parameters! {
     /// Gains of the observer, by default those of table 1 of the paper; its state is the estimate itself.

@@ -4,8 +4,8 @@
 //! may wrap any number of times. A position is decoded at the middle of its count: theta = (2 n + 1) pi / counts. A
 //! velocity is the difference over the elapsed time behind a first-order lag, advanced exactly for a held input.
 
-use crate::control::Real;
-use crate::control::real::alpha;
+use crate::control::lag::alpha;
+use crate::law::Real;
 
 /// Resolution and velocity filter of one encoder.
 #[derive(Debug, Clone, Copy, PartialEq)]

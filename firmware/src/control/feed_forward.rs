@@ -5,7 +5,7 @@
 //! of the torque. With a constant reference both torques are zero.
 
 use crate::control::nominal_model::NominalModel;
-use crate::control::{Measurement, Real};
+use crate::law::{Measurement, Real};
 
 /// Feed-forward of a moving reference.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::control::Real;
+use crate::law::Real;
 
 /// Variance of the twist of one sample in rad^2. It is large because the errors of samples one period apart are
 /// strongly correlated.

@@ -14,8 +14,8 @@
 //! it to 1 + s T. The state holds the error e instead of the position: far from zero a single-precision position has no
 //! digits for the motion within one period, but the difference of two positions has.
 
-use crate::control::Real;
 use crate::control::nominal_model::NominalModel;
+use crate::law::Real;
 
 /// The observer with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]

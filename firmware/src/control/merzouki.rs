@@ -15,8 +15,7 @@ use crate::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
 use crate::control::feed_forward::FeedForward;
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 crate::choices! {
     /// Source of the disturbing torque, as the host sets it.

@@ -7,8 +7,7 @@ use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
 use crate::control::merzouki::{DisturbingTorqueSource, Merzouki};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement, ParameterError};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 /// The law without lead and without free control.
 #[derive(Debug, Clone, Copy, PartialEq)]

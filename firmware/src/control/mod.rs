@@ -20,15 +20,16 @@
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
 //! | [`braking_curve`] | that inverse, led along a braking curve with margin for plants within a tolerance; not from the paper |
 //! | [`open_loop`] | the reference as a torque, for commissioning |
+//! | `lag` | gain of a first-order lag |
 //! | `load_observer` | load velocity from counts |
 //! | `motor_friction` | direction of the motor's dry friction |
 //! | `gap_identification` | compliance and half gap by recursive least squares |
-//! | [`sensing`] | encoder counts to [`Measurement`] |
+//! | [`sensing`] | encoder counts to [`Measurement`](crate::law::Measurement) |
 //! | `encoder_channel` | one encoder: wraparound, position, velocity filter |
 //! | `reference_rates` | velocity and acceleration of the reference |
 //!
-//! The laws are generic over [`Real`]: the drive runs in `f32` the same code that tests compare with independent
-//! solvers in `f64`. A law is one value: its constants and its state.
+//! The laws are generic over [`Real`](crate::law::Real): the drive runs in `f32` the same code that tests compare with
+//! independent solvers in `f64`. A law is one value: its constants and its state.
 
 pub mod backlash_inverse;
 pub mod braking_curve;
@@ -39,22 +40,16 @@ pub mod dead_zone_observer;
 mod encoder_channel;
 pub mod feed_forward;
 mod gap_identification;
+mod lag;
 mod load_observer;
-mod measurement;
 pub mod merzouki;
 pub mod merzouki_as_printed;
 pub mod momentum_observer;
 mod motor_friction;
 pub mod nominal_model;
 pub mod open_loop;
-mod parameter_error;
 pub mod pd;
-mod real;
 mod reference_rates;
 pub mod sensing;
 #[cfg(test)]
 mod tests;
-
-pub use measurement::{ControlOutput, Measurement};
-pub use parameter_error::ParameterError;
-pub use real::Real;

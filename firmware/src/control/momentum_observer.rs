@@ -6,8 +6,8 @@
 //! dd(theta_e) with the first-order lag of the pole a. The lag is advanced exactly for a torque held over the period.
 
 use crate::control::nominal_model::NominalModel;
-use crate::control::real::alpha;
-use crate::control::{Measurement, Real};
+use crate::control::lag::alpha;
+use crate::law::{Measurement, Real};
 
 /// Velocity in rad/s over which the motor's Coulomb friction changes sign.
 const COULOMB_WIDTH_RAD_S: f64 = 0.1;

@@ -5,7 +5,7 @@
 //! displacement, not of time: it reverses within [`TURNOVER_RAD`] after a reversal of the motion and holds its value at
 //! rest. This is the rate-independent part of Dahl's model with straight flanks.
 
-use crate::control::Real;
+use crate::law::Real;
 
 /// Displacement in rad over which friction rises from zero to its full value. Well above a count, so that a motor at
 /// the border of two counts doesn't reverse it, and well below the displacement that winds the spring.

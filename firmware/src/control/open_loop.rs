@@ -3,8 +3,7 @@
 //! Commissioning excites an unknown drive train by it, because no loop can be closed before the directions of the
 //! encoders are known. The limits of the drive apply: torque, speeds, watchdog.
 
-use crate::control::{ControlOutput, Measurement, ParameterError};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 crate::parameters! {
     /// Scale of the reference.

@@ -9,8 +9,7 @@
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// The two loops alone.
 #[derive(Debug, Clone, Copy, PartialEq)]

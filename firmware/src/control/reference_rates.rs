@@ -3,7 +3,7 @@
 //! A step of the reference isn't a velocity: a difference above [`REFERENCE_JUMP_RAD`] per period counts as a jump and
 //! gives no rates.
 
-use crate::control::Real;
+use crate::law::Real;
 
 /// Largest difference of the reference between two periods, in rad, that counts as motion.
 const REFERENCE_JUMP_RAD: f64 = 0.02;

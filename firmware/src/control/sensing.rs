@@ -7,7 +7,7 @@
 
 use crate::control::encoder_channel::{EncoderChannel, EncoderState};
 use crate::control::reference_rates::ReferenceRates;
-use crate::control::{Measurement, ParameterError, Real};
+use crate::law::{Measurement, ParameterError, Real};
 
 pub use crate::control::encoder_channel::EncoderConfig;
 

@@ -11,7 +11,7 @@ use super::merzouki::{DisturbingTorqueSource, Merzouki};
 use super::momentum_observer::MomentumObserver;
 use super::nominal_model::NominalModel;
 use super::pd::Pd;
-use super::{ControlOutput, Measurement};
+use crate::law::{ControlOutput, Measurement};
 
 type Step = Box<dyn FnMut(&Measurement<f64>) -> ControlOutput<CascadeSignals<f64>, f64>>;
 

@@ -1,4 +1,4 @@
-//! Bench mode: the tick of the drive in place of the host's samples, and a power stage in place of its answers.
+//! Bench mode: the tick of the drive instead of the host's samples, and a power stage instead of its answers.
 
 use core::time::Duration;
 

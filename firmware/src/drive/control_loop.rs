@@ -9,11 +9,10 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::parameters::Parameters;
 use super::pins::PinHardware;
-use crate::control::ParameterError;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
-use crate::law::{DriveParameters, DriveSignals, LawSet, Signals};
+use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, Signals};
 
-/// Largest move in counts, either way, that the difference of two readings shows without wraparound. One count is
+/// Largest move in counts, in either direction, that the difference of two readings shows without wraparound. One count is
 /// reserved: an encoder may show one count more than it has turned.
 const LARGEST_MOVE_COUNTS: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
@@ -86,7 +85,7 @@ impl<L: LawSet> ControlLoop<L> {
         self.longest_gap
     }
 
-    /// Least speeds of motor and load since the last sample, in rad/s, either way; zero at the first sample. One count
+    /// Least speeds of motor and load since the last sample, in rad/s, in either direction; zero at the first sample. One count
     /// is subtracted, because an encoder at the border of two counts may show one without a motion.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
         let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };

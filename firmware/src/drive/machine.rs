@@ -22,8 +22,7 @@ use super::run::{Reply, Run, Source};
 use super::safety::Violation;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
-use crate::control::ParameterError;
-use crate::law::{LawSet, Signal};
+use crate::law::{LawSet, ParameterError, Signal};
 use crate::laws::Laws;
 
 /// The state machine of a drive with these laws.
@@ -278,7 +277,7 @@ impl<L: LawSet> Drive<L> {
     /// A signal that the law in force doesn't have.
     fn refuse_signal(&mut self, signal: &Signal) -> Outcome {
         let law = L::NAMES.get(self.parameters.law() as usize).copied().unwrap_or_default();
-        self.log(LogLevel::Error, &[signal.name, " is no signal of ", law]);
+        self.log(LogLevel::Error, &[signal.name, " isn't a signal of ", law]);
         Outcome::Inconsistent
     }
 

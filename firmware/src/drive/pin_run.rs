@@ -1,4 +1,4 @@
-//! A run of bench mode: the pins in place of the host's samples.
+//! A run of bench mode: the pins instead of the host's samples.
 
 use core::f32::consts::TAU;
 use core::time::Duration;
@@ -10,8 +10,7 @@ use lashloop_protocol::message::{EncoderSample, Reference};
 use super::pin_parameters::PinParameters;
 use super::pins::PinReadings;
 use super::safety::Violation;
-use crate::control::Real;
-use crate::law::DriveParameters;
+use crate::law::{DriveParameters, Real};
 
 /// Longest time from the start to the first tick: longer than any period that was in force before.
 const FIRST_TICK: Duration = Duration::from_millis(150);

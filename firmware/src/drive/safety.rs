@@ -15,8 +15,7 @@
 
 use lashloop_protocol::enums::FaultCode;
 
-use crate::control::Real;
-use crate::law::DriveParameters;
+use crate::law::{DriveParameters, Real};
 
 /// A broken rule: what a fault report carries besides the sequence number.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,15 +1,16 @@
 //! The interface of a control law to the drive.
 
 use super::drive_parameters::DriveParameters;
+use super::measurement::{ControlOutput, Measurement};
+use super::parameter_error::ParameterError;
 use super::parameter_group::ParameterGroups;
 use super::signal::Signals;
-use crate::control::{ControlOutput, Measurement, ParameterError};
 
 /// A control law: parameters in, then one torque for each measurement.
 ///
 /// The value is the law with its constants and its state. The drive builds it on `Arm`, steps it once for each sample
 /// while running, and drops it at the end of the run. A law has no clock, no input and no output besides these: equal
-/// measurements give equal torques on every machine. Use [`Real`](crate::control::Real) or `libm` for functions such as
+/// measurements give equal torques on every machine. Use [`Real`](crate::law::Real) or `libm` for functions such as
 /// `tanh`; the operators of `f32` are exact everywhere.
 ///
 /// The drive checks what comes before and after a law: range and type of each parameter, plausible encoder speeds, a

@@ -19,7 +19,7 @@ crate::parameters! {
         /// Reduction ratio N0, for the twist.
         reduction_ratio: F32 = 3.0 in 1e-3..=1e4, "";
 
-        /// Largest torque, either way.
+        /// Largest torque, in either direction.
         torque_limit_nm: F32 = 20.0 in 0.0..=1000.0, "N m";
         /// Longest time without a new sample while running, in device time.
         watchdog_us: U32 = 20_000 in 200..=60_000_000, "us";

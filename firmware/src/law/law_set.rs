@@ -3,9 +3,10 @@
 use lashloop_protocol::limits::MAX_SIGNALS;
 
 use super::drive_parameters::DriveParameters;
+use super::measurement::Measurement;
 use super::parameter::Parameter;
+use super::parameter_error::ParameterError;
 use super::signal::Signal;
-use crate::control::{Measurement, ParameterError};
 
 /// The laws of a drive, declared by [`laws!`](macro@crate::laws). A value is the law in force, with its state.
 pub trait LawSet: Sized + Send + 'static {
@@ -92,7 +93,7 @@ macro_rules! laws {
                     law: u32,
                     words: &Self::Words,
                     drive: &DriveParameters,
-                ) -> ::core::result::Result<Self, $crate::control::ParameterError> {
+                ) -> ::core::result::Result<Self, $crate::law::ParameterError> {
                     $(
                         if law == Index::$law as u32 {
                             const GROUPS: &[&[Parameter]] = PARAMETERS_OF_LAWS[Index::$law as usize];
@@ -106,7 +107,7 @@ macro_rules! laws {
                 #[inline(always)]
                 fn step(
                     &mut self,
-                    measurement: &$crate::control::Measurement<f32>,
+                    measurement: &$crate::law::Measurement<f32>,
                     signals: &mut ::core::option::Option<SignalsOfLaw>,
                 ) -> f32 {
                     match self {

@@ -7,9 +7,8 @@
 //! This is a whole law, a proportional position loop with viscous damping, in a drive of its own:
 //!
 //! ```
-//! use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
 //! use lashloop_firmware::drive::Drive;
-//! use lashloop_firmware::law::{ControlLaw, DriveParameters, LawSet};
+//! use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, LawSet, Measurement, ParameterError};
 //!
 //! lashloop_firmware::parameters! {
 //!     /// Gains of the loop.
@@ -75,6 +74,8 @@
 //! | module | is |
 //! |---|---|
 //! | `control_law` | [`ControlLaw`]: the interface of a law |
+//! | `measurement`, `real` | [`Measurement`] in, [`ControlOutput`] out; [`Real`]: the float type |
+//! | `parameter_error` | [`ParameterError`]: parameters that don't go together |
 //! | `parameter`, `parameter_group` | one parameter as data; structs of parameters, [`parameters!`](crate::parameters) |
 //! | `signal` | signals, [`signals!`](crate::signals) |
 //! | `drive_parameters`, `drive_signals` | what every law has from the drive |
@@ -85,8 +86,11 @@ mod control_law;
 mod drive_parameters;
 mod drive_signals;
 mod law_set;
+mod measurement;
 mod parameter;
+mod parameter_error;
 mod parameter_group;
+mod real;
 mod signal;
 #[doc(hidden)]
 pub mod table;
@@ -95,6 +99,9 @@ pub use control_law::ControlLaw;
 pub use drive_parameters::{COUNTS_PER_REV_MAX, DriveParameters};
 pub use drive_signals::DriveSignals;
 pub use law_set::LawSet;
+pub use measurement::{ControlOutput, Measurement};
 pub use parameter::{Parameter, Range};
+pub use parameter_error::ParameterError;
 pub use parameter_group::{Choice, ParameterGroup, ParameterGroups, Words};
+pub use real::Real;
 pub use signal::{Signal, Signals};

@@ -135,7 +135,7 @@ macro_rules! choices {
 /// assert_eq!((gains.velocity_gain_nm_s_rad, gains.average_samples), (0.5, 4));
 /// ```
 ///
-/// `struct VelocityGains<F>` declares the same group over any [`Real`](crate::control::Real): the drive uses
+/// `struct VelocityGains<F>` declares the same group over any [`Real`](crate::law::Real): the drive uses
 /// `VelocityGains<f32>`, and a test may compare it with the same law in `f64`.
 #[macro_export]
 macro_rules! parameters {
@@ -150,7 +150,7 @@ macro_rules! parameters {
         $(#[$doc:meta])* $name:ident: F32 = $default:literal in $range:expr, $unit:literal; $($rest:tt)*
     ) => {
         $crate::parameters!(@fields $meta $vis $group $generic $float [$($done)* {
-            ($(#[$doc])*) $name ($float) (<$float as $crate::control::Real>::from_f64($default))
+            ($(#[$doc])*) $name ($float) (<$float as $crate::law::Real>::from_f64($default))
             ($crate::law::Parameter::new(stringify!($name), $unit, {
                 let range: ::core::ops::RangeInclusive<f32> = $range;
                 $crate::law::Range::F32 { default: $default, min: *range.start(), max: *range.end() }
@@ -189,7 +189,7 @@ macro_rules! parameters {
         #[derive(Debug, Clone, Copy, PartialEq)]
         $vis struct $group $(<$generic = f32>)? { $($(#[$doc])* pub $name: $ty),* }
 
-        impl $(<$generic: $crate::control::Real>)? ::core::default::Default for $group $(<$generic>)? {
+        impl $(<$generic: $crate::law::Real>)? ::core::default::Default for $group $(<$generic>)? {
             /// The values after power-up.
             fn default() -> Self {
                 Self { $($name: $default),* }

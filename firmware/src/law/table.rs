@@ -10,9 +10,9 @@ use lashloop_protocol::text::{ChoiceName, LawName, ParameterName, SignalName, Un
 use super::control_law::ControlLaw;
 use super::drive_parameters::DriveParameters;
 use super::parameter::{Parameter, Range};
+use super::parameter_error::ParameterError;
 use super::parameter_group::{ParameterGroups, Words};
 use super::signal::{Signal, Signals};
-use crate::control::ParameterError;
 
 /// Most parameters of a drive: their number has 8 bits.
 pub const MAX_PARAMETERS: usize = 255;

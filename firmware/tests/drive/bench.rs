@@ -1,4 +1,4 @@
-//! Bench mode: the drive's own encoders and power stage in place of the host's samples.
+//! Bench mode: the drive's own encoders and power stage instead of the host's samples.
 
 use std::collections::BTreeSet;
 use std::time::Duration;

@@ -207,8 +207,7 @@ fn a_bit_without_a_signal_is_rejected_and_changes_nothing() {
 
 /// Laws with more signals than a frame holds, and with signals that not every law has.
 mod other_laws {
-    use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-    use lashloop_firmware::law::{ControlLaw, DriveParameters};
+    use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
     lashloop_firmware::signals! {
         pub struct Many {
@@ -296,7 +295,7 @@ fn a_signal_of_another_law_is_rejected_in_armed_and_running() {
         let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
             panic!("{answers:?}")
         };
-        assert_eq!(log.text.as_str(), "n is no signal of many");
+        assert_eq!(log.text.as_str(), "n isn't a signal of many");
         assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, state));
     }
 }
@@ -310,7 +309,7 @@ fn a_signal_of_another_law_is_accepted_in_idle_and_checked_by_arm() {
     let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
         panic!("{answers:?}")
     };
-    assert_eq!(log.text.as_str(), "n is no signal of many");
+    assert_eq!(log.text.as_str(), "n isn't a signal of many");
     assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, State::Idle));
     host.set("controller", ParameterValue::U32(1));
     assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));

@@ -7,7 +7,7 @@ use lashloop_protocol::enums::State;
 pub enum Cause {
     /// A whole request.
     Request(HostMessage),
-    /// Device time, or bytes that are no message.
+    /// Device time, or bytes that aren't a message.
     NoRequest,
 }
 

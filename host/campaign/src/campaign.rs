@@ -32,7 +32,7 @@ impl Source {
     }
 }
 
-/// What of a campaign is run, in place of the file's own choice.
+/// What of a campaign is run, instead of the file's own choice.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Selection {

@@ -46,7 +46,7 @@ impl Pick {
     }
 }
 
-/// The verdict of a run that is no failure.
+/// The verdict of a run that isn't a failure.
 const PASS: &str = "PASS";
 
 /// What runs cases again.
@@ -119,14 +119,14 @@ pub fn folder_of(results: &Path, case: u64) -> PathBuf {
 }
 
 impl Repeater<'_> {
-    /// Runs a row again and keeps its record among the evidence, in place of an older one; `None` if the user stopped it.
+    /// Runs a row again and keeps its record among the evidence, instead of an older one; `None` if the user stopped it.
     ///
     /// # Errors
     /// As [`repeat`](Self::repeat), or the folder of the record has files of the user.
     pub fn keep(&self, pick: &Pick, results: &Path) -> Result<Option<CaseResult>, CampaignError> {
         let folder = folder_of(results, pick.case);
         let result = self.repeat(pick, Some(RecordFolder::claim(&folder, true)?));
-        // The last of several records is none that a user looks for.
+        // Users don't look for the last of several records.
         let latest = folder.with_file_name(LATEST);
         if fs::read_link(&latest).is_ok_and(|target| Some(target.as_os_str()) == folder.file_name()) {
             remove_if_present(&latest)?;

@@ -101,7 +101,7 @@ impl Facts {
         pairs.map(|((what, there), (_, here))| (what, there, here)).find(|(_, there, here)| there != here)
     }
 
-    /// Names and values, with hashes in place of texts.
+    /// Names and values, with hashes instead of texts.
     #[must_use]
     pub fn list(&self) -> Vec<(&'static str, String)> {
         let Self { lashloop, program_sha256, device, drive, seed, cases, shards, selection, sources, .. } =

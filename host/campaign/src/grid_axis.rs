@@ -68,7 +68,7 @@ impl GridAxis {
 pub enum PlaceError {
     #[error("a point of {given} values on a map of {axes} axes; give one value for each axis")]
     Dimensions { given: usize, axes: usize },
-    #[error("axis {axis} has values that are no numbers, so it has no place between them")]
+    #[error("axis {axis} has values that aren't numbers, so it has no place between them")]
     NoNumber { axis: String },
     #[error(
         "{axis} of {value} {unit} is outside the map, {min} to {max} {unit}; extend the axis of the campaign"

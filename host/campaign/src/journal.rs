@@ -67,7 +67,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Creates a journal, in place of an earlier one that no process writes.
+    /// Creates a journal, instead of an earlier one that no process writes.
     ///
     /// # Errors
     /// The earlier one is in use, or the system refuses the file.

@@ -187,7 +187,7 @@ impl Grid {
     /// The side of the limit on which a point lies: a value for each axis, in its unit.
     ///
     /// # Errors
-    /// An axis has values that are no numbers, or the point is outside the grid.
+    /// An axis has values that aren't numbers, or the point is outside the grid.
     pub fn place(&self, point: &[f64], limit: Limit) -> Result<Placed, PlaceError> {
         if point.len() != self.axes.len() {
             return Err(PlaceError::Dimensions { given: point.len(), axes: self.axes.len() });

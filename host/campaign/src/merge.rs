@@ -220,7 +220,7 @@ impl Lines {
             }
             Some(found) => Err(self.malformed(format!("case {found}, and case {case} is missing"))),
             None if self.text.is_empty() => Err(self.malformed(format!("case {case} is missing"))),
-            None => Err(self.malformed(format!("is no whole row of {fields} fields"))),
+            None => Err(self.malformed(format!("isn't a whole row of {fields} fields"))),
         }
     }
 

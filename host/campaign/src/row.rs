@@ -75,7 +75,7 @@ impl Columns {
         let mut line = Vec::new();
         self.write(campaign, case, result, &mut line);
         let mut fields = StringRecord::new();
-        // Reading from memory fails on bytes that are no UTF-8, and the line consists of texts.
+        // Reading from memory fails on bytes that aren't UTF-8, and the line consists of texts.
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&line[..]);
         let _ = reader.read_record(&mut fields);
         fields

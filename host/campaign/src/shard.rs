@@ -88,7 +88,7 @@ impl ShardChoice {
     /// The shard. `environment` looks up a variable; `count` is the number of shards for schedulers that don't set it.
     ///
     /// # Errors
-    /// Not exactly one scheduler's variables are set, or they are no shard.
+    /// Not exactly one scheduler's variables are set, or they aren't a shard.
     pub fn resolve(
         self,
         environment: impl Fn(&str) -> Option<String>,
@@ -115,7 +115,7 @@ const SOURCES: &str = "SLURM_ARRAY_TASK_ID (with _MIN, _COUNT and _STEP), CI_NOD
 fn auto(environment: impl Fn(&str) -> Option<String>, count: Option<u32>) -> Result<Shard, String> {
     let number = |name: &str| -> Result<u32, String> {
         let text = environment(name).ok_or_else(|| format!("{name} is not set"))?;
-        text.trim().parse().map_err(|_| format!("{name} is {text:?}, which is no whole number"))
+        text.trim().parse().map_err(|_| format!("{name} is {text:?}, which isn't a whole number"))
     };
     let names = ["SLURM_ARRAY_TASK_ID", "CI_NODE_INDEX", "JOB_COMPLETION_INDEX"];
     let present: Vec<_> = names.into_iter().filter(|name| environment(name).is_some()).collect();
@@ -143,7 +143,7 @@ fn auto(environment: impl Fn(&str) -> Option<String>, count: Option<u32>) -> Res
     if let Some(count) = count.filter(|count| *count != total) {
         return Err(format!("{} has {total} shards, --shards {count}; make them the same", present[0]));
     }
-    Shard::new(shard, total).ok_or_else(|| format!("{} gives {shard}/{total}, which is no shard", present[0]))
+    Shard::new(shard, total).ok_or_else(|| format!("{} gives {shard}/{total}, which isn't a shard", present[0]))
 }
 
 #[cfg(test)]
@@ -183,8 +183,8 @@ mod tests {
             (&kubernetes, None, "add --shards"),
             (&[ci[0], ci[1], kubernetes[0]], Some(4), "exactly one"),
             (&ci, Some(5), "has 4 shards, --shards 5"),
-            (&[("CI_NODE_INDEX", "5"), ci[1]], None, "no shard"),
-            (&[("CI_NODE_INDEX", "x"), ci[1]], None, "no whole number"),
+            (&[("CI_NODE_INDEX", "5"), ci[1]], None, "isn't a shard"),
+            (&[("CI_NODE_INDEX", "x"), ci[1]], None, "isn't a whole number"),
             (&[ci[0]], None, "CI_NODE_TOTAL is not set"),
         ] {
             let error = auto(set, count).expect_err("no shard");

@@ -1,4 +1,4 @@
-//! What no statistic and no map can be made of: runs that are no samples of one population, points that are repeated or not in
+//! What no statistic and no map can be made of: runs that aren't samples of one population, points that are repeated or not in
 //! order.
 
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::axis::{Axis, AxisValue, Values};
 use crate::settings::{CampaignFile, Expectation, Method};
 
-/// Why the runs of an expectation are no independent samples of one population, which a confidence interval needs.
+/// Why the runs of an expectation aren't independent samples of one population, which a confidence interval needs.
 pub(crate) fn population(file: &CampaignFile, expectation: &Expectation) -> Option<&'static str> {
     let mut parts = file.parts.iter().filter(|it| expectation.part.iter().all(|name| *name == it.name));
     let is_sampled = parts.all(|part| part.method.is_sampled());
@@ -14,7 +14,7 @@ pub(crate) fn population(file: &CampaignFile, expectation: &Expectation) -> Opti
         Some("which pools variants on the same points; add variant")
     } else if !is_sampled {
         Some(
-            "which covers a grid or a list, whose points are no samples; add part = a sampled part, or remove confidence",
+            "which covers a grid or a list, whose points aren't samples; add part = a sampled part, or remove confidence",
         )
     } else if expectation.part.is_none() && file.parts.len() > 1 {
         Some("which pools parts, whose points share their random streams; add part")

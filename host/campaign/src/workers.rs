@@ -147,7 +147,7 @@ pub fn run_in_order<R: Send, E: Send>(
     Ok(if next == count { Ended::Complete } else { Ended::Interrupted })
 }
 
-/// Stops the other workers if a run panics: the window would wait for its result for ever. The scope then panics too.
+/// Stops the other workers if a run panics: the window would wait for its result forever. The scope then panics too.
 struct PanicGuard<'a, 'b> {
     stop: &'a Stop<'b>,
     space: &'a Condvar,

@@ -1,4 +1,4 @@
-//! What a campaign costs in addition to its runs. Processor time is compared, which other programs hardly change.
+//! What a campaign costs in addition to its runs. Processor time is compared, which other programs change little.
 
 use std::fs;
 use std::num::NonZeroUsize;

@@ -33,19 +33,19 @@ pub(crate) struct Arguments {
     /// Scenario with period, telemetry and speed
     scenario: Option<PathBuf>,
 
-    /// Speed of the line, in bit/s, in place of the scenario's
+    /// Speed of the line, in bit/s, instead of the scenario's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
 
-    /// Control period, in us, in place of the scenario's
+    /// Control period, in us, instead of the scenario's
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(100..=100_000))]
     period_us: Option<u32>,
 
-    /// Torques per telemetry frame, in place of the scenario's; 0 for no telemetry
+    /// Torques per telemetry frame, instead of the scenario's; 0 for no telemetry
     #[arg(long, value_name = "STEPS")]
     telemetry_every: Option<u16>,
 
-    /// Number of signals in a telemetry frame, in place of the scenario's
+    /// Number of signals in a telemetry frame, instead of the scenario's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=MOST_SIGNALS as i64))]
     signals: Option<u8>,
 

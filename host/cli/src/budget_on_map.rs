@@ -22,9 +22,9 @@ use super::supervision::start_supervisor;
 /// A line to measure, and the map that it is placed on.
 pub(super) struct Placing<'a> {
     pub(super) port: &'a DeviceChoice,
-    /// In place of the scenario's, in bit/s.
+    /// Instead of the scenario's, in bit/s.
     pub(super) baud: Option<u32>,
-    /// In place of the scenario's.
+    /// Instead of the scenario's.
     pub(super) period_us: Option<u32>,
     /// Samples of the measurement.
     pub(super) rounds: u32,

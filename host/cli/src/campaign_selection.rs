@@ -1,4 +1,4 @@
-//! What of a campaign a command runs, in place of the file's own choice.
+//! What of a campaign a command runs, instead of the file's own choice.
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ use lashloop::Bench;
 
 #[derive(Args)]
 pub(super) struct SelectionOptions {
-    /// Seed in place of the file's
+    /// Seed instead of the file's
     #[arg(long)]
     seed: Option<u64>,
 
-    /// Value in place of the scenario's, in every case, such as run.duration_s=5; repeatable
+    /// Value instead of the scenario's, in every case, such as run.duration_s=5; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
@@ -27,7 +27,7 @@ pub(super) struct SelectionOptions {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     variant: Vec<String>,
 
-    /// Points of every sampled part, in place of the file's
+    /// Points of every sampled part, instead of the file's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     points: Option<u64>,
 }

@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     /// Scenario whose mode, period, encoders and plant are taken [default: scenarios/commission.toml]
     scenario: Option<PathBuf>,
 
-    /// Value in place of the scenario's, such as encoders.motor_counts_per_rev=8192; repeatable
+    /// Value instead of the scenario's, such as encoders.motor_counts_per_rev=8192; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
-    /// Mode in place of the scenario's, see `lashloop run --help` [default with --rig: bench]
+    /// Mode instead of the scenario's, see `lashloop run --help` [default with --rig: bench]
     #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
     mode: Option<String>,
 
@@ -82,7 +82,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     torque_delay_us: Option<u32>,
 
-    /// Noise of both encoders in counts: edges jitter uniformly by up to this either way [default: none]
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this in either direction [default: none]
     #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
     encoder_noise: Option<f64>,
 
@@ -107,7 +107,7 @@ pub(crate) struct Arguments {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let value = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    let value = text.parse().map_err(|_| format!("{text:?} isn't a number"))?;
     if value > 0.0 && f64::is_finite(value) { Ok(value) } else { Err(format!("{value} is not above 0")) }
 }
 
@@ -281,7 +281,7 @@ fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError>
     let Limits { torque_nm, motor_speed_rad_s, load_speed_rad_s, load_travel_rad } = limits;
     error_line(format_args!(
         "{device} is about to move: torque up to {torque_nm} N m, motor up to {motor_speed_rad_s} rad/s, load up to \
-         {load_speed_rad_s} rad/s, within {load_travel_rad} rad either way of where the load stands"
+         {load_speed_rad_s} rad/s, within {load_travel_rad} rad in either direction of where the load stands"
     ));
     if yes {
         return Ok(true);
@@ -289,7 +289,7 @@ fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError>
     if !io::stdin().is_terminal() {
         return Err(CliError::CommissionLimit {
             option: "--yes",
-            problem: "is missing, and standard input is no terminal to confirm the limits on".to_owned(),
+            problem: "is missing, and standard input isn't a terminal to confirm the limits on".to_owned(),
         });
     }
     let mut stderr = io::stderr();

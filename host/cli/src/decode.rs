@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     /// Raw bytes of a serial line, or a capture of `run --capture`; - is standard input
     file: PathBuf,
 
-    /// Print one JSON object per line in place of a table
+    /// Print one JSON object per line instead of a table
     #[arg(long)]
     json: bool,
 }

@@ -47,11 +47,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
-    /// Plant and encoders of the bench in place of the paper's, for both runs: the plant.toml of `commission` or `identify`
+    /// Plant and encoders of the bench instead of the paper's, for both runs: the plant.toml of `commission` or `identify`
     #[arg(long, value_name = "plant.toml")]
     plant: Option<PathBuf>,
 
-    /// Value in place of each scenario's, for both runs, such as controller.parameters.reduction_ratio=4; repeatable
+    /// Value instead of each scenario's, for both runs, such as controller.parameters.reduction_ratio=4; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 

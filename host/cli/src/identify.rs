@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     torque_delay_us: Option<u32>,
 
-    /// Noise of both encoders in counts: edges jitter uniformly by up to this either way [default: that of
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this in either direction [default: that of
     /// the commissioning, else none]
     #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
     encoder_noise: Option<f64>,
@@ -133,7 +133,7 @@ impl Arguments {
 
 /// Takes the noise of an encoder.
 pub(super) fn encoder_noise(text: &str) -> Result<f64, String> {
-    let counts: f64 = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    let counts: f64 = text.parse().map_err(|_| format!("{text:?} isn't a number"))?;
     let range = 0.0..=MAX_NOISE_COUNTS;
     range
         .contains(&counts)

@@ -1,4 +1,4 @@
-//! What a person sees of a run while it goes on: progress on the terminal, and the live page.
+//! What a person sees of a run while it lasts: progress on the terminal, and the live page.
 
 use std::time::{Duration, Instant};
 

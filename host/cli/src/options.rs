@@ -62,7 +62,7 @@ pub(super) struct ScenarioOptions {
     /// Scenario in TOML: plant, encoders, controller, reference and expectations
     scenario: PathBuf,
 
-    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
+    /// Value instead of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 }

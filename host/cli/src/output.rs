@@ -54,7 +54,7 @@ pub(super) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Writes a file, whole or not at all, in place of an older one that is not part of a record.
+/// Writes a file, whole or not at all, instead of an older one that is not part of a record.
 pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     RecordFolder::check_output(path)?;
     let written = write_whole_at(path, ".output-", |path| {

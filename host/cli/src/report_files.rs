@@ -1,4 +1,4 @@
-//! The files of `--junit` and `--html`: none replaces a file of the user, and an earlier PASS does not outlive the begin.
+//! The files of `--junit` and `--html`: none replaces a user's file, and an earlier PASS does not outlive the start.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -21,7 +21,7 @@ pub(super) fn check(report: &Path, scenarios: &[PathBuf]) -> Result<(), CliError
     }
 }
 
-/// Whether a report can say at the begin that it has no result yet. A device such as /dev/stdout gets the result alone.
+/// Whether a report can say at the start that it has no result yet. A device such as /dev/stdout gets the result alone.
 pub(super) fn is_replaced(report: &Path) -> bool {
     fs::metadata(report).map_or(true, |found| found.is_file() || found.is_dir())
 }

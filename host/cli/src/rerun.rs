@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
 
-    /// Value in place of the record's, such as plant.dead_zone_rad=0.2; repeatable
+    /// Value instead of the record's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
@@ -160,7 +160,7 @@ impl Arguments {
 }
 
 /// The time that a record has, if it has a part of its run only, as the records of a soak do. The end of an interrupted run
-/// is none that the user has chosen.
+/// isn't one that the user has chosen.
 fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
     let times_s = files.record.trace.get(TIME)?;
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);

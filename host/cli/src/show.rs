@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     #[arg(required_unless_present_any = ["keys", "schema"])]
     scenario: Option<PathBuf>,
 
-    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
+    /// Value instead of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE", requires = "scenario")]
     set: Vec<String>,
 

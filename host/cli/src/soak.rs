@@ -276,7 +276,7 @@ impl StepObserver for SoakWatcher<'_> {
 }
 
 fn positive_s(text: &str) -> Result<f64, String> {
-    let time_s = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    let time_s = text.parse().map_err(|_| format!("{text:?} isn't a number"))?;
     if (1e-3..=3600.0).contains(&time_s) {
         Ok(time_s)
     } else {

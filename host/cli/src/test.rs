@@ -52,7 +52,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     jobs: Option<NonZeroUsize>,
 
-    /// Value in place of that of every scenario, such as link.answer_timeout_ms=10000; repeatable
+    /// Value instead of that of every scenario, such as link.answer_timeout_ms=10000; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
@@ -83,7 +83,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
 
-    /// Write the metrics of each case that passes to its baseline, in place of comparing them
+    /// Write the metrics of each case that passes to its baseline, instead of comparing them
     #[arg(long, conflicts_with = "set")]
     update: bool,
 }

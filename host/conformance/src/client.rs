@@ -26,7 +26,7 @@ pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);
 const SETTLING: u32 = 0x5e77_1e00;
 /// Mean time of an exchange from which a drive or its line is slow: some 230,400 Bd.
 const SLOW: Duration = Duration::from_micros(1_500);
-/// As above, for a drive on which repetitions are hardly possible.
+/// As above, for a drive on which repetitions are barely possible.
 const SLOWEST: Duration = Duration::from_micros(2_500);
 
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
@@ -59,7 +59,7 @@ pub(super) struct Client {
     describing: Duration,
     /// Longest time in the present check for an answer, or by which the bench itself was late.
     pub(super) slowest: Duration,
-    /// When the last wait ended: the bench goes on at once.
+    /// When the last wait ended: the bench continues at once.
     waited_until: Instant,
     /// Whether answers to earlier requests may still arrive.
     pub(super) is_unsettled: bool,

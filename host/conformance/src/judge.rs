@@ -60,7 +60,7 @@ impl Judge {
         self.messages_before = client.line.decoder.counters().messages;
         let mut ended = self.attempt(client, &run);
         for _ in 1..ATTEMPTS {
-            // A late answer is none that is missing.
+            // A late answer isn't a missing one.
             if !matches!(client.is_answered_late(), Ok(true)) {
                 break;
             }

@@ -39,7 +39,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             answered(client, &[], &[0, 1, 2])
         }),
-        check("R1.1", "a pause in a frame is no end of it", |client| {
+        check("R1.1", "a pause in a frame doesn't end it", |client| {
             client.running(&[])?;
             let frame = HostMessage::from(sample(0)).frame();
             let (start, rest) = frame.split_at(7);
@@ -49,7 +49,7 @@ pub(super) fn checks() -> Vec<Check> {
             let answers = client.request_bytes(rest)?;
             equal("answers to a sample in two pieces", vec!["TorqueAnswer"], names(&answers))
         }),
-        check("R2.2", "delimiters between frames are no frame and no error", |client| {
+        check("R2.2", "delimiters between frames are neither a frame nor an error", |client| {
             let bytes =
                 [&[DELIMITER; 3][..], &request(0), &[DELIMITER; 70], &request(1), &[DELIMITER]].concat();
             answered(client, &bytes, &[0, 1])?;
@@ -193,7 +193,7 @@ pub(super) fn damaged() -> Vec<Vec<u8>> {
     frames
 }
 
-/// Whole frames of every kind that is no request.
+/// Whole frames of every kind that isn't a request.
 pub(super) fn refused(session: u32) -> Vec<Vec<u8>> {
     [foreign(), wrong_lengths(session), wrong_types()].concat()
 }

@@ -61,7 +61,7 @@ fn first_requests(client: &mut Client) -> RuleResult {
         let bytes: Vec<u8> = frames.iter().flat_map(|frame| [&*reset, frame].concat()).collect();
         let answers = client.request_bytes(&bytes)?;
         let kinds = vec!["CommandResult"; frames.len()];
-        equal("answers to a Reset before each of some frames that are no request", kinds, names(&answers))?;
+        equal("answers to a Reset before each of some frames that aren't requests", kinds, names(&answers))?;
     }
     Ok(())
 }

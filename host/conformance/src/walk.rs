@@ -61,7 +61,7 @@ fn long_session(client: &mut Client) -> RuleResult {
         client.start()?;
         kept.samples(client)?;
         kept.round(client, State::Running, lap, None)?;
-        // The run goes on: the next sample, and the last one again.
+        // The run continues: the next sample, and the last one again.
         kept.stepped(client, 2, TorqueFlags::empty())?;
         equal("Stop", (Outcome::Accepted, State::Idle), client.command(Stop {})?)?;
         client.arm()?;
@@ -269,7 +269,7 @@ impl Kept {
     }
 }
 
-/// A damaged frame and a good one that is no request, which have no effect.
+/// A damaged frame and a good one that isn't a request, which have no effect.
 fn bad_frames(lap: u16) -> Vec<u8> {
     let mut damaged = HostMessage::from(Stop {}).frame().to_vec();
     damaged[2] ^= if damaged[2] == 1 { 2 } else { 1 };

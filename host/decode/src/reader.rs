@@ -63,7 +63,7 @@ pub struct PacketReader {
 }
 
 impl PacketReader {
-    /// Passes every frame of the packet to `take`; captures of ours have one per packet. A delimiter alone is no frame.
+    /// Passes every frame of the packet to `take`; captures of ours have one per packet. A delimiter alone isn't a frame.
     pub fn push(&mut self, packet: &Packet, mut take: impl FnMut(Entry)) {
         let began_ns = *self.began_ns.get_or_insert(packet.time_ns);
         let location = Location::Packet {

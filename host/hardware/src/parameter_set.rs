@@ -170,7 +170,7 @@ impl Settings {
                 Item::Value(Value::Float(value)) => SettingValue::Number(*value.value()),
                 Item::Value(Value::String(value)) => SettingValue::Name(value.value().clone()),
                 _ => {
-                    let found = format!("{name} is no setting");
+                    let found = format!("{name} isn't a setting");
                     return Err(SettingsError::Malformed {
                         place,
                         found,

@@ -35,7 +35,7 @@ const FOLLOWS_COUNTS: f64 = 1.0;
 const EXPLAINED: f64 = 2.0;
 
 /// Whether residuals of motor and load are about those of the quantisation, of errors of the torque, and of encoders whose edges
-/// jitter uniformly by up to `noise_counts` either way.
+/// jitter uniformly by up to `noise_counts` in either direction.
 pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2], noise_counts: f64) -> bool {
     let noise = noise_counts / 3.0_f64.sqrt();
     let mut pairs = residual_counts.into_iter().zip(explained_counts);
@@ -128,7 +128,7 @@ impl Problem<'_> {
                 }
                 damping *= 10.0;
             }
-            // The normal equations hardly change any more over such a step, and they are most of the work.
+            // The normal equations barely change over such a step, and they are most of the work.
             last = (gained < SETTLED).then_some(normal);
             if gained < CONVERGED {
                 break;

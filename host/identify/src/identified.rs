@@ -11,10 +11,10 @@ use crate::signs::Directions;
 
 /// Probability that an interval contains the truth.
 pub const CONFIDENCE: f64 = 0.95;
-/// Standard deviations of an interval either way. 1.96 would be those of a normal distribution; quantisation is no noise,
+/// Standard deviations on each side of an interval. 1.96 would be those of a normal distribution; quantisation isn't noise,
 /// and on random plants its errors are up to this much larger.
 const DEVIATIONS: f64 = 3.2;
-/// Widest interval that is reported, as a factor either way: beyond, the motions don't show the quantity.
+/// Widest interval that is reported, as a factor in either direction: beyond, the motions don't show the quantity.
 const WIDEST: f64 = 2.0;
 /// Widest interval of a quantity that has no scale of its own.
 const WIDEST_FRACTION: f64 = 0.3;

@@ -3,7 +3,7 @@
 /// Standard deviation of the quantisation in counts, 1 / sqrt(12).
 pub(crate) const QUANTISATION: f64 = 0.288_675;
 /// What a residual is worth, from the residuals themselves: as long as the model is far from the record, the prior keeps
-/// the fit from explaining all of it by what the record hardly shows.
+/// the fit from explaining all of it by what the record barely shows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Noise {
     /// Standard deviation of each encoder, in counts.

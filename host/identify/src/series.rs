@@ -17,7 +17,7 @@ pub struct Instruments {
     /// Step of the torque at the motor, in N m: the torque of a sample is off by up to half of it. 0 is exact.
     #[serde(default)]
     pub torque_step_nm: f64,
-    /// Amplitude of the noise of both encoders in counts: edges jitter uniformly by up to this either way. 0 is none.
+    /// Amplitude of the noise of both encoders in counts: edges jitter uniformly by up to this in either direction. 0 is none.
     #[serde(default)]
     pub noise_counts: f64,
 }
@@ -73,7 +73,7 @@ pub enum SeriesError {
         /// Number of samples.
         samples: usize,
     },
-    /// A torque is no number.
+    /// A torque isn't a number.
     #[error("the torque of sample {sample} is {torque_nm} N m; it must be finite")]
     Torque {
         /// From 0.

@@ -31,7 +31,7 @@ impl Direction {
     }
 }
 
-/// Directions of both encoders; `None` if the encoder hardly moved.
+/// Directions of both encoders; `None` if the encoder barely moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct Directions {
     /// Of the motor encoder relative to the torque.

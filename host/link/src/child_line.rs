@@ -17,7 +17,7 @@ pub struct ChildLine {
     from_drive: OwnedFd,
     /// Keeps the line up until the drive has opened its end. From its first byte on, a closed end is the end of the line.
     until_first_byte: Option<Terminal>,
-    /// Whether nothing was sent yet: what the drive prints at its start is no input of an earlier host, and explains a drive
+    /// Whether nothing was sent yet: what the drive prints at its start isn't the input of an earlier host, and explains a drive
     /// that never answers.
     is_fresh: bool,
 }
@@ -84,7 +84,7 @@ impl Link for ChildLine {
         if self.is_fresh {
             return Ok(());
         }
-        // As much as a pipe holds at most. A drive that fills it goes on sending, and the rest is no older.
+        // As much as a pipe holds at most. A drive that fills it continues to send, and the rest is no older.
         let mut rest = vec![0; 1 << 16];
         match rustix::io::read(&self.from_drive, &mut rest[..]) {
             Ok(0) => Err(LinkError::Disconnected),

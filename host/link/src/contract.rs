@@ -51,7 +51,7 @@ pub trait Link: Send {
         self.inner().map_or_else(Instant::now, Link::now)
     }
 
-    /// Waits until an instant of the link's time. The drive goes on meanwhile.
+    /// Waits until an instant of the link's time. The drive continues meanwhile.
     ///
     /// # Errors
     /// The far end is disconnected or the system refused.

@@ -65,7 +65,7 @@ impl Unread {
 pub struct Suspension(Arc<AtomicBool>);
 
 impl Suspension {
-    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time goes on. A resumed one sees
+    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time continues. A resumed one sees
     /// by its watchdog the time that has passed before it takes the bytes that wait.
     pub fn set(&self, is_suspended: bool) {
         self.0.store(is_suspended, Ordering::Relaxed);
@@ -180,7 +180,7 @@ impl<L: LawSet> Link for InProcess<L> {
         self.clock = match time_base {
             TimeBase::Virtual | TimeBase::Scripted => DeviceClock::Virtual { now },
             TimeBase::WallClock => {
-                // From here on the link's time is the wall clock's, and device time goes on from where it is.
+                // From here on the link's time is the wall clock's, and device time continues from where it is.
                 let start = Instant::now();
                 self.boot = start.checked_sub(now).unwrap_or(start);
                 DeviceClock::WallClock { at_start: now, start }

@@ -17,7 +17,7 @@
 //! [`latency_timer`] shortens the time for which it holds received bytes.
 //!
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
-//! reads as silence for ever.
+//! reads as silence forever.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

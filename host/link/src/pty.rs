@@ -3,7 +3,7 @@
 //! The terminal driver does the waiting: with `VMIN` 0 and `VTIME` 1 a read returns with the first byte or after a
 //! tenth of a second, so a round trip costs one write and one read and no poll. A nearer deadline is waited for by poll,
 //! which resolves nanoseconds. Writes go through a second, non-blocking description of the same terminal, because a
-//! drive that does not read would block the bench for ever.
+//! drive that does not read would block the bench forever.
 
 use std::io;
 use std::os::fd::OwnedFd;
@@ -38,7 +38,7 @@ impl Pty {
     /// Opens the near end in raw mode and locks it.
     ///
     /// # Errors
-    /// `path` is missing, is no terminal, is the terminal that the bench was started from (`InvalidInput`), or another
+    /// `path` is missing, isn't a terminal, is the terminal that the bench was started from (`InvalidInput`), or another
     /// bench holds it (`WouldBlock`).
     pub fn open(path: &Path) -> io::Result<Self> {
         if is_own_terminal(path) {

@@ -24,7 +24,7 @@ impl Serial {
     /// the drive is up.
     ///
     /// # Errors
-    /// `path` is missing, is no serial port, or another program holds it: [`io::ErrorKind::ResourceBusy`].
+    /// `path` is missing, isn't a serial port, or another program holds it: [`io::ErrorKind::ResourceBusy`].
     pub fn open(path: &Path, baud: u32) -> Result<Self, io::Error> {
         let port = serialport::new(path.to_string_lossy(), baud).timeout(WRITE_LIMIT).open_native();
         let port = port.map_err(|error| error_of_open(error.into(), path.exists()))?;

@@ -92,7 +92,7 @@ impl Link for Socket {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        // As much as a socket holds at most. A drive that fills it goes on sending, and the rest is no older.
+        // As much as a socket holds at most. A drive that fills it continues to send, and the rest is no older.
         let mut rest = vec![0; 1 << 18];
         match recv(&self.stream, &mut rest[..], RecvFlags::DONTWAIT) {
             Ok((0, _)) => Err(LinkError::Disconnected),

@@ -44,10 +44,10 @@ pub fn open_near_end(path: &Path) -> io::Result<OwnedFd> {
 }
 
 /// Puts a terminal into raw mode. A read returns with `min_bytes` bytes or after `timeout_tenths_s` tenths of a second;
-/// 0 is no timeout.
+/// 0 means no timeout.
 ///
 /// # Errors
-/// The file is no terminal, or its far end is disconnected.
+/// The file isn't a terminal, or its far end is disconnected.
 pub fn set_raw(terminal: impl AsFd, min_bytes: u8, timeout_tenths_s: u8) -> io::Result<()> {
     let mut settings = tcgetattr(&terminal)?;
     settings.make_raw();

@@ -17,7 +17,7 @@ const RANDOM_BYTES: usize = 16;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AccessError {
     /// Not an address.
-    #[error("{0:?} is no address: give PORT, IP or IP:PORT, such as 127.0.0.1:8080")]
+    #[error("{0:?} isn't an address: give PORT, IP or IP:PORT, such as 127.0.0.1:8080")]
     Address(String),
     /// Others could read and stop the run.
     #[error("{0} can be reached from other machines; add --live-token, or choose an address of loopback")]

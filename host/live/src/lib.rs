@@ -1,4 +1,4 @@
-//! A run in a browser while it goes on.
+//! A run in a browser while it lasts.
 //!
 //! ```text
 //! run ─▶ Publisher ─▶ buckets ─▶ Feed: histories, status ─▶ readers, each with its place ─▶ websockets

@@ -234,7 +234,7 @@ impl FromRequestParts<Arc<Site>> for Permitted {
     type Rejection = Denied;
 
     async fn from_request_parts(parts: &mut Parts, site: &Arc<Site>) -> Result<Self, Denied> {
-        // A header that isn't text is none that a browser sends.
+        // Browsers send text headers only.
         let header = |name| parts.headers.get(name).map(|value| value.to_str().unwrap_or("\u{0}"));
         site.access.check_source(header(HOST), header(ORIGIN)).map(|()| Self)
     }

@@ -9,7 +9,7 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::expectation::Expectation;
 use lashloop_bench::timing::{ClockName, TimingReport};
 use lashloop_bench::verdict::{Breach, JudgedExpectation, Judgement, LinkCounts, Verdict};
-use lashloop_plant::metrics::{Measured, Metric, Metrics, Quantity, Statistic};
+use lashloop_plant::metrics::{Measured, Metrics, Trend};
 use serde::Serialize;
 
 /// The state of an expectation during a run.
@@ -28,52 +28,6 @@ pub enum Standing {
     Open,
 }
 
-/// How the value of a quantity can change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Trend {
-    Rising,
-    Falling,
-    /// As rising, but a signal that leaves its band takes the value.
-    Settling,
-    /// The first value is the last one.
-    Fixed,
-    Any,
-}
-
-fn trend(quantity: &Quantity) -> Trend {
-    match quantity {
-        Quantity::Metric(Metric::RiseTime) => Trend::Fixed,
-        Quantity::Metric(metric) if settles(*metric) => Trend::Settling,
-        Quantity::Metric(
-            Metric::Overshoot
-            | Metric::PeakTrackingError
-            | Metric::PeakTorque
-            | Metric::Effort
-            | Metric::TorqueTotalVariation
-            | Metric::DeadZoneLargestError,
-        ) => Trend::Rising,
-        // Of a metric that is not listed, the value at the end counts.
-        Quantity::Metric(_) => Trend::Any,
-        Quantity::Statistic { statistic, .. } => match statistic {
-            Statistic::Max | Statistic::Peak | Statistic::PeakToPeak => Trend::Rising,
-            Statistic::Min => Trend::Falling,
-            Statistic::Mean | Statistic::Rms | Statistic::Std | Statistic::Final => Trend::Any,
-        },
-    }
-}
-
-/// Times after the last sample outside a band: while the signal is outside, the value is later than the present time.
-fn settles(metric: Metric) -> bool {
-    matches!(
-        metric,
-        Metric::SettleTime
-            | Metric::SettleTime5Pct
-            | Metric::SettleTime2Pct
-            | Metric::SettleTime1Pct
-            | Metric::DeadZoneSettleTime
-    )
-}
-
 /// An expectation with its present value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
@@ -83,12 +37,13 @@ pub struct Row {
 
 /// `steps` of `period_s` have been measured.
 fn standing(expectation: &Expectation, judged: &JudgedExpectation, steps: u64, period_s: f64) -> Standing {
+    let trend = expectation.quantity.trend();
     let over = |to_s: f64| steps as f64 >= (to_s / period_s).round();
     let is_over = expectation.window.and_then(|window| window.to_s).is_some_and(over);
     let Some(value) = judged.value.value() else {
         let from_s = expectation.window.map_or(0.0, |window| window.from_s);
         let is_late = |max: f64| steps as f64 * period_s - from_s > max;
-        let never_in_time = matches!(expectation.quantity, Quantity::Metric(metric) if settles(metric))
+        let never_in_time = trend == Trend::Settling
             && judged.value == Measured::Never
             && expectation.max.is_some_and(is_late);
         let is_lost = is_over || never_in_time || judged.value == Measured::NotFinite;
@@ -97,7 +52,7 @@ fn standing(expectation: &Expectation, judged: &JudgedExpectation, steps: u64, p
     let is_above = expectation.max.is_some_and(|max| value > max);
     let is_below = expectation.min.is_some_and(|min| value < min);
     let is_decided = is_over
-        || match trend(&expectation.quantity) {
+        || match trend {
             Trend::Rising => is_above || (expectation.max.is_none() && !is_below),
             Trend::Settling => is_above,
             Trend::Falling => is_below || (expectation.min.is_none() && !is_above),
@@ -169,7 +124,7 @@ impl fmt::Display for SoFar {
 
 #[cfg(test)]
 mod tests {
-    use lashloop_plant::metrics::{Query, Window};
+    use lashloop_plant::metrics::{Metric, Quantity, Query, Statistic, Window};
 
     use super::*;
 

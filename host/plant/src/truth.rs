@@ -50,7 +50,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Energy stored in masses and springs in J. Its change equals the energy supplied less the energy dissipated.
+    /// Energy stored in masses and springs in J. Its change equals the energy supplied minus the energy dissipated.
     pub fn energy_j(&self) -> f64 {
         self.kinetic_energy_j + self.elastic_energy_j
     }

@@ -302,7 +302,7 @@ fn position(runs: &[Run<'_>]) -> Panel {
     panel
 }
 
-/// Twist, the motor position less the reduced load position: outside the edges of the gap the motor drives the load.
+/// Twist, the motor position minus the reduced load position: outside the edges of the gap the motor drives the load.
 fn gap(runs: &[Run<'_>]) -> Panel {
     let panel = of_all(runs, "Twist and the gap", Axis::new("twist", "rad"), |run| run.values(TWIST_RAD));
     distinct(panel, runs, "edges of the gap", Role::Limit, |run| {

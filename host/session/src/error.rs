@@ -76,7 +76,7 @@ pub enum SessionError {
         limit: Duration,
         /// How far the session got.
         last_seen: LastSeen,
-        /// What arrived in place of the answer, the probable cause and the remedy.
+        /// What arrived instead of the answer, the probable cause and the remedy.
         diagnosis: Box<Diagnosis>,
     },
     /// Each request was answered in time or repeated, but all of them together took too long.

@@ -14,7 +14,7 @@
 //! | `patience` | the time for all requests together |
 //! | [`handshake`] | `Hello` and `Identity` |
 //! | [`mod@line`] | messages on a link |
-//! | [`diagnosis`] | what arrives in place of an answer |
+//! | [`diagnosis`] | what arrives instead of an answer |
 //! | [`logs`] | texts of a drive, kept |
 //! | `text` | text of a drive, made fit for a terminal |
 //! | [`names`] | names in messages, and the one that was probably meant |

@@ -26,7 +26,7 @@ pub struct Subscription {
 
 impl Subscription {
     /// A subscription to `signals`, [`MAX_TELEMETRY_VALUES`] at most, in any order. Without a signal or with `every` 0 there
-    /// is no telemetry.
+    /// isn't telemetry.
     #[must_use]
     pub fn new(mut signals: Vec<DriveSignal>, every: u16) -> Self {
         signals.sort_by_key(|signal| signal.index);

@@ -30,7 +30,7 @@ impl Session {
         self.signals.iter().find(|it| it.signal.name == name)
     }
 
-    /// Requests telemetry of these signals from now on, in place of an earlier subscription. A reset ends it.
+    /// Requests telemetry of these signals from now on, instead of an earlier subscription. A reset ends it.
     ///
     /// # Errors
     /// The drive rejected the subscription or is silent, or the line broke.

@@ -119,7 +119,7 @@ impl Replay {
         let pair = TorquePair { step, recorded_nm, replayed_nm };
         self.differing += 1;
         self.first.get_or_insert(pair);
-        // A torque that is no number is the largest difference there is.
+        // NaN counts as an infinite difference.
         let amount = |it: &TorquePair| {
             if it.difference_nm().is_nan() { f64::INFINITY } else { it.difference_nm().abs() }
         };

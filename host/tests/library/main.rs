@@ -66,10 +66,10 @@ fn a_device_that_a_test_lacks_is_refused_with_a_remedy() {
     let bench = Bench::new();
     let scenario = bench.scenario(PAPER, &[]).expect("a scenario");
     let native = bench.device("native").expect("a device");
-    let error = run(&scenario, &native).expect_err("a test is no twin").to_string();
+    let error = run(&scenario, &native).expect_err("a test isn't a twin").to_string();
     assert!(error.starts_with("native: ") && error.contains("use inproc"), "{error}");
     let error = bench.device("banana").expect_err("no device").to_string();
-    assert!(error.starts_with("\"banana\" is no device: expected inproc, native"), "{error}");
+    assert!(error.starts_with("\"banana\" isn't a device: expected inproc, native"), "{error}");
 }
 
 #[test]

@@ -179,7 +179,7 @@ messages! {
         messages: u32,
         /// Damaged frames.
         damaged: u32,
-        /// Whole frames that are no message of this protocol version.
+        /// Whole frames that aren't messages of this protocol version.
         refused: u32,
         /// Bytes lost in the receiver before framing.
         overruns: u32,

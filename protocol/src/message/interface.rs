@@ -13,7 +13,7 @@ pub trait Message: Sized {
     /// Decodes a body whose CRC is correct.
     ///
     /// # Errors
-    /// The body is no message of this direction.
+    /// The body isn't a message of this direction.
     fn decode_body(body: &[u8]) -> Result<Self, BodyError>;
 
     /// Splits `input` after its first frame, if that frame is whole, correct and of the kind sent in every control period.

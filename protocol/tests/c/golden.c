@@ -7,7 +7,7 @@
  *   sample FRAME SEQUENCE MOTOR LOAD REFERENCE           decodes to, and is encoded from, these values
  *   torque FRAME SEQUENCE TORQUE STATE FLAGS COMPUTE     the same
  *   values FRAME SEQUENCE COUNT VALUE...                 the same, of telemetry
- *   length KIND BODY_LENGTH                              is no length of this kind
+ *   length KIND BODY_LENGTH                              isn't a length of this kind
  *
  * Prints the number of passed cases. Exits with 1 at the first failed case.
  */

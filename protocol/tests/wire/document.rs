@@ -27,7 +27,7 @@ fn number(cell: &str) -> u32 {
         Some(digits) => u32::from_str_radix(digits, 16),
         None => cell.parse(),
     };
-    parsed.unwrap_or_else(|_| panic!("{cell:?} is no number"))
+    parsed.unwrap_or_else(|_| panic!("{cell:?} isn't a number"))
 }
 
 #[test]

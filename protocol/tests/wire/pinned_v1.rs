@@ -78,7 +78,7 @@ fn kinds_are_unique_and_imply_the_direction() {
     for layout in layouts() {
         let from_drive = layout.direction == Direction::DriveToHost;
         assert_eq!(layout.kind & 0x80 != 0, from_drive, "{}", layout.name);
-        assert_ne!(layout.kind & 0x7f, 0, "zero is no kind");
+        assert_ne!(layout.kind & 0x7f, 0, "zero isn't a kind");
     }
 }
 

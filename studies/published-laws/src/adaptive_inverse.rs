@@ -16,8 +16,7 @@
 
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase};
 use crate::common::integral::Integral;

@@ -12,8 +12,7 @@
 //!
 //! Deviations: the load velocity damps the load through k_s; on arrival the integral is unloaded (module `arrival`).
 
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase};
 use crate::common::integral::Integral;

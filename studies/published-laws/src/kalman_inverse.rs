@@ -13,8 +13,7 @@
 //! C_d remain (module `arrival`).
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase, REMAINING};
 use crate::common::twist_loop::{TwistGains, TwistLoop};

@@ -15,8 +15,7 @@
 //! constant velocity v_max; the motor follows the inverse by proportional feedback (module `twist_loop`).
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase};
 use crate::common::integral::Integral;

@@ -15,8 +15,7 @@
 //! stops (module `arrival`); the error is limited to `switched_reach_rad`, or the torque limit would set the speed.
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase};
 use crate::common::integral::Integral;

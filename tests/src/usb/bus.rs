@@ -20,7 +20,7 @@ use endpoints::{Endpoints, MAX_ENDPOINTS};
 #[derive(Clone)]
 pub struct Bus(Arc<Mutex<Wires>>);
 
-/// An event that is no transfer.
+/// An event that isn't a transfer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BusEvent {
     /// The host has plugged in or reset the device.

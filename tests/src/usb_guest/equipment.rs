@@ -34,7 +34,7 @@ fn folder() -> PathBuf {
 #[must_use]
 pub fn missing() -> Option<String> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return Some("the guest runs programs of this machine, which is no x86-64 Linux".to_owned());
+        return Some("the guest runs programs of this machine, which isn't x86-64 Linux".to_owned());
     }
     let mut missing = Vec::new();
     let path = env::var_os("PATH").unwrap_or_default();

@@ -43,7 +43,7 @@ fn add(
         return Ok(());
     }
     let text = fs::read(file).with_context(|| format!("{} can't be read", file.display()))?;
-    for needed in needed(&text).with_context(|| format!("{} is no module", file.display()))? {
+    for needed in needed(&text).with_context(|| format!("{} isn't a module", file.display()))? {
         add(&needed, files, built_in, order)?;
     }
     order.push(file.clone());

@@ -55,7 +55,7 @@ pub(crate) struct Slurm {
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Queued {
     pub(crate) job: u32,
-    /// `N/A` if the job is no array.
+    /// `N/A` if the job isn't an array.
     pub(crate) index: String,
     pub(crate) state: String,
     /// Why it waits.

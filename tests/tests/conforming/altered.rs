@@ -8,7 +8,7 @@ use lashloop_link::{Link, LinkError};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use lashloop_session::SessionError;
 
-/// What arrives in place of a message, as bytes; the number counts the requests.
+/// What arrives instead of a message, as bytes; the number counts the requests.
 pub type Alteration = fn(&DriveMessage, u32) -> Vec<u8>;
 
 /// A middleware that alters the drive's messages, each after a delay.
@@ -21,7 +21,7 @@ pub struct Altered {
     pauses: Option<(u32, Duration)>,
     /// The write at which the line stands still, and how long.
     standstill: Option<(u32, Duration)>,
-    /// When the line goes on.
+    /// When the line continues.
     goes_on: Option<Instant>,
     /// Since when the drive's program has waited for a core.
     starved_since: Option<Instant>,

@@ -95,7 +95,7 @@ fn errors_name_the_place_and_set_nothing() {
     assert_eq!(text, format!("lashloop: {file}:1: k_p1 = two: {wanted}\n"));
     fs::write(&file, "k_p1 = [2.0]\n").expect("a file");
     let list = parameters(&twin, &["restore", &file]).with_code(2).stderr;
-    let wanted = "k_p1 is no setting; it must be NAME = NUMBER or NAME = \"CHOICE\"";
+    let wanted = "k_p1 isn't a setting; it must be NAME = NUMBER or NAME = \"CHOICE\"";
     assert_eq!(list, format!("lashloop: {file}:1: {wanted}\n"));
     let choice = parameters(&twin, &["set", "disturbing_torque_source=observer"]).with_code(2).stderr;
     assert!(

@@ -18,7 +18,7 @@ const LATE: Duration = Duration::from_millis(21);
 fn torque(answers: &[DriveMessage]) -> TorqueAnswer {
     match answers[0] {
         DriveMessage::TorqueAnswer(answer) => answer,
-        other => panic!("{other:?} in place of a torque"),
+        other => panic!("{other:?} instead of a torque"),
     }
 }
 

@@ -16,7 +16,7 @@ fn rule(text: &str) -> Rule {
         let (section, number) = numbers.split_once('.')?;
         Some((side.chars().next()?, section.parse().ok()?, number.parse().ok()?))
     });
-    parsed.unwrap_or_else(|| panic!("{text:?} is no rule"))
+    parsed.unwrap_or_else(|| panic!("{text:?} isn't a rule"))
 }
 
 /// The page without its fenced blocks.

@@ -108,7 +108,7 @@ fn every_event_latches_the_documented_fault() {
     let rows = table(section(STATES), "event in Running");
     for row in &rows {
         let code = FaultCode::ALL.iter().find(|code| format!("{code:?}") == row[2]);
-        let code = *code.unwrap_or_else(|| panic!("{} is no fault", row[2]));
+        let code = *code.unwrap_or_else(|| panic!("{} isn't a fault", row[2]));
         let (host, answers) = happen(code);
         assert_eq!(format!("{:?}", host.drive.state()), row[1], "{code:?}");
         assert!(

@@ -1,8 +1,9 @@
 //! A drive with two laws that differ in their signals. Together with those of the drive, the second one has more signals than
 //! one telemetry message holds.
 
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters, DriveSignals, Signals};
+use lashloop_firmware::law::{
+    ControlLaw, ControlOutput, DriveParameters, DriveSignals, Measurement, ParameterError, Signals,
+};
 use lashloop_protocol::message::Subscribe;
 
 /// Index of the first signal that only the second law has.

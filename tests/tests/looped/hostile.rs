@@ -1,4 +1,4 @@
-//! Far ends that are no drives, and drives that keep a command waiting: every command ends soon, with one diagnosis.
+//! Far ends that aren't drives, and drives that keep a command waiting: every command ends soon, with one diagnosis.
 
 use std::fs;
 use std::path::{Path, PathBuf};

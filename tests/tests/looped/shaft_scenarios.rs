@@ -113,7 +113,7 @@ fn a_plant_that_becomes_too_stiff_makes_the_run_invalid() {
     let ended = with_bristles_of("1e8", 3);
     assert!(ended.stdout.contains("plant is too stiff"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("INVALID\n"), "{}", ended.stdout);
-    // A measurement of part of the run is no metric of the run.
+    // A measurement of part of the run isn't a metric of the run.
     let settling = ended.stdout.lines().find_map(|line| line.strip_prefix("settle_time_s "));
     assert_eq!(settling.map(str::trim), Some("not finite"), "{}", ended.stdout);
 }

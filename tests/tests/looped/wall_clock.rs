@@ -114,7 +114,7 @@ const ALWAYS: [&str; 6] = [
     "1 kHz, live page: lateness p50, us",
 ];
 const WATCHED: [&str; 2] = ["1 kHz, recording: round trip p50, us", "1 kHz, live page: round trip p50, us"];
-/// A loop that waited for the disk or for the stuck reader would take milliseconds in place of 0.1 ms. On a shared machine
+/// A loop that waited for the disk or for the stuck reader would take milliseconds instead of 0.1 ms. On a shared machine
 /// medians of one round differ by a factor of 2.
 const MOST_SLOWED: f64 = 10.0;
 

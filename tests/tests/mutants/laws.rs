@@ -1,8 +1,7 @@
 //! The laws of the drive under test: that of a complete drive, and one with as many signals as exercise every rule.
 
 use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 lashloop_firmware::laws! {
     /// Two laws with different signals.

@@ -2,8 +2,7 @@
 
 use lashloop_conformance::CheckStatus;
 use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 use lashloop_link::in_process::InProcess;
 
 use crate::results;

@@ -162,7 +162,7 @@ pub(crate) fn qemu() {
         command
     });
     assert_eq!(torques(&format!("tcp:127.0.0.1:{}", server.port)), direct());
-    // A connection is no part of the board: the next run finds it as the last one left it.
+    // A connection isn't part of the board: the next run finds it as the last one left it.
     drop(TcpStream::connect(("127.0.0.1", server.port)));
     assert_eq!(torques(&format!("tcp:127.0.0.1:{}", server.port)), direct());
 }

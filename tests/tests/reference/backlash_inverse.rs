@@ -4,7 +4,7 @@ use core::fmt::Write;
 use std::thread;
 
 use battery::plants::RandomPlants;
-use lashloop_firmware::control::Real;
+use lashloop_firmware::law::Real;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::{Mechanics, Start};
 

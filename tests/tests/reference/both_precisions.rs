@@ -4,7 +4,7 @@
 //! into a whole count: a property of the encoder. So double precision closes the loop, and single precision computes its
 //! torque from the same counts without applying it.
 
-use lashloop_firmware::control::{Measurement, Real};
+use lashloop_firmware::law::{Measurement, Real};
 use lashloop_plant::Truth;
 
 use crate::closed_loop::{Quantised, Reference, Sensors};

@@ -5,7 +5,7 @@
 use core::f64::consts::TAU;
 
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
-use lashloop_firmware::control::{Measurement, Real};
+use lashloop_firmware::law::{Measurement, Real};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Start, Truth, TwoMass};
 

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use lashloop_firmware::control::Real;
 use lashloop_firmware::control::backlash_inverse::{
     BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
 };
 use lashloop_firmware::control::braking_curve::{BrakingCurve, BrakingCurveGains, BrakingCurveSetting};
 use lashloop_firmware::control::dead_zone_observer::DeadZoneBounds;
 use lashloop_firmware::control::nominal_model::NominalModel;
+use lashloop_firmware::law::Real;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, PlantError, Start, TransportDelay, Truth, TwoMass};
 

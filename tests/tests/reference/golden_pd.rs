@@ -31,7 +31,7 @@ fn one_percent_of_every_parameter_shows_in_the_trace() {
         let (parameters, rows) = (parameters(run.name), rows(run));
         assert_eq!(largest_difference_nm(&parameters, &rows), 0.0, "{}", run.name);
         for (at, (name, value)) in parameters.iter().enumerate() {
-            // A speed limit is no parameter of the law.
+            // A speed limit isn't a parameter of the law.
             if name.ends_with("speed_limit_rad_s") {
                 continue;
             }

@@ -5,7 +5,7 @@ use lashloop_firmware::control::braking_curve::BrakingCurve;
 use lashloop_firmware::control::cascade_signals::CascadeSignals;
 use lashloop_firmware::control::merzouki::Merzouki;
 use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{ControlOutput, Measurement, Real};
+use lashloop_firmware::law::{ControlOutput, Measurement, Real};
 
 #[derive(Debug, Clone)]
 pub(crate) enum Law<F: Real> {

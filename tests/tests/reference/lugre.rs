@@ -48,7 +48,7 @@ fn bristles_hold_a_small_load_with_presliding_motion() {
 
 #[test]
 fn sliding_bristles_follow_the_stribeck_curve() {
-    // Steady sliding: the torque less the viscous part is F_c + (F_s - F_c) exp(-(v / v_s)^2).
+    // Steady sliding: the torque minus the viscous part is F_c + (F_s - F_c) exp(-(v / v_s)^2).
     for torque_nm in [4.2, 5.0, 8.0] {
         let truth = under_load_torque(bristles(3.4e4), |_| torque_nm, 6_000);
         let v = truth.load_velocity_rad_s;

@@ -2,13 +2,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use lashloop_firmware::control::Real;
 use lashloop_firmware::control::cascade::CascadeGains;
 use lashloop_firmware::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
 use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_firmware::control::pd::Pd;
+use lashloop_firmware::law::Real;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;

@@ -1,6 +1,6 @@
 //! The four loops of the paper's figures, with any sensors and in either precision.
 
-use lashloop_firmware::control::Real;
+use lashloop_firmware::law::Real;
 
 use crate::closed_loop::{Sensors, Timing, regulate_to_zero, run};
 use crate::paper;

@@ -2,7 +2,7 @@
 
 use core::fmt::Write;
 
-use lashloop_firmware::control::Real;
+use lashloop_firmware::law::Real;
 
 use crate::closed_loop::{Ideal, Quantised};
 use crate::paper_loops::{Loop, Measures, TORQUE_LIMIT_NM};

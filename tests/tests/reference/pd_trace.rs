@@ -33,7 +33,7 @@ pub struct Loop {
 
 /// The runs of the trace.
 pub const LOOPS: [Loop; 2] = [
-    // A sine, a jump that is no motion, and one that is.
+    // A sine, a jump that isn't a motion, and one that is.
     Loop {
         name: "coarse",
         reference: |time_s| {

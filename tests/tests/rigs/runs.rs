@@ -188,5 +188,5 @@ fn a_gate_names_a_file_that_has_no_estimates() {
     fs::write(&file, "title = 3\n").expect("a file");
     let gate = format!("--gate={}", file.display());
     let ended = program::run(["run", &RUNS[1].scenario(), "--device", "inproc", &gate]).with_code(2);
-    assert!(ended.stderr.contains("it is no estimates.json of `lashloop commission`"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("it isn't an estimates.json of `lashloop commission`"), "{}", ended.stderr);
 }

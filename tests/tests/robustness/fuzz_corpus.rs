@@ -134,7 +134,7 @@ fn the_seeds_of_the_drive_reach_every_cell_of_the_state_table() {
     let (mut cells, mut faults) = (BTreeSet::new(), BTreeSet::new());
     for entry in fs::read_dir(folder).expect("the corpus") {
         let path = entry.expect("an entry").path();
-        // What a fuzzer has found here is no part of the repository.
+        // What a fuzzer has found here isn't part of the repository.
         if path.extension().is_none_or(|extension| extension != "seed") {
             continue;
         }

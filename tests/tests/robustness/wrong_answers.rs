@@ -52,7 +52,7 @@ impl<F: FnMut(&mut TorqueAnswer) + Send> Link for Altered<F> {
                 DriveMessage::TorqueAnswer(answer) => (self.alter)(answer),
                 DriveMessage::FaultReport(_) if self.drops_reports => {
                     self.drops_reports = false;
-                    // A lone delimiter is no frame.
+                    // A lone delimiter isn't a frame.
                     altered.push(0);
                     continue;
                 }
@@ -198,7 +198,7 @@ fn a_missing_flag_gap_ends_the_run() {
     let (outcome, _) = run_with(lost, false, |it| it.status.flags -= TorqueFlags::GAP);
     let broken = outcome.end.broken_rule().expect("a flag that misses");
     assert_eq!((broken.rule.number(), broken.rule.value()), ("R7.2", "no flag GAP".to_owned()));
-    assert_eq!(outcome.judgement.verdict, Verdict::Fail, "a lossy line is no excuse");
+    assert_eq!(outcome.judgement.verdict, Verdict::Fail, "a lossy line doesn't excuse it");
     let _ = assert_passes(lost, |_| {});
 }
 

@@ -1,7 +1,7 @@
 //! The unmodified Cortex-M image on virtual silicon: register-level models of its chip, with an 8 MHz crystal.
 //!
 //! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
-//! doesn't. The models are made from the manual and are no hardware.
+//! doesn't. The models are made from the manual and aren't hardware.
 
 #[allow(dead_code, reason = "the script of the document needs sections alone")]
 #[path = "../../../protocol/tests/wire/markdown.rs"]

@@ -67,7 +67,7 @@ pub(crate) fn stranger() {
     let device = format!("silicon:{}", image.display());
     let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
-    assert!(ended.stderr.contains("text.elf is no image"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("text.elf isn't an image"), "{}", ended.stderr);
 }
 
 /// An image that boots and speaks no protocol.

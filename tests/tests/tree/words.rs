@@ -11,87 +11,92 @@ use regex_lite::Regex;
 use crate::metadata;
 
 /// Patterns, without regard to case, and what to write.
-const TABLE: [(&str, &str); 16] = [
-    (r"\bnought", "zero"),
-    (r"greet", "handshake"),
-    (r"\b(clock|time) on the wall\b", "wall-clock time"),
-    (r"\blast[ _]words", "fault frame"),
-    (r"\bso many\b", "the name of the number"),
-    (r"\b(nobody|somebody)\b", "the noun: no host, no detector, an operator"),
-    (r"\bwhatever\b", "any, or the range"),
-    (r"\bbeside\b", "next to, compared with, in addition to"),
-    (r"\b(is|are) gone\b", "no longer exists, is removed, is closed"),
-    (r"\b(is|are|was|were|be|been) told\b", "is sent, is set, is commanded"),
-    (r"\btell(s|ing)? of\b|\btold of\b", "report, reports"),
-    (
-        r"\b(drive|bench|board|image|firmware|device|twin|emulator|program|host|session|law|bridge) (says|said|tells|told|hears|heard|believes|believed|asks|asked|dies|died|greets)\b",
-        "sends, reports, receives, assumes, requests, stops",
-    ),
-    (r"\broom: |&mut room\b|&room\b|\blet (mut )?room\b|\broom\.|\b\w+_room\b", "buffer, capacity, space"),
-    (r"\bvocabulary(::|\.rs)|\bmod vocabulary\b", "enums"),
-    (r"\bbench-(peers|plant)\b", "benchmarks/codec, benchmarks/plant"),
-    (
-        r"ControllerId::(Faithful|Literal|Compensating)\b|\b(faithful|literal|compensating) (control )?law",
-        "merzouki, merzouki-as-printed, backlash-inverse",
-    ),
+const TABLE: [(&str, &str); 9] = [
+    (r"\b(is|are) no\b", "isn't a, aren't, or what it is"),
+    (r"\b(is|are) none that\b", "isn't one that, or what it is"),
+    (r"\bin place of\b", "instead of"),
+    (r"\beither way\b", "in both directions, in both cases"),
+    (r"\bgoes on\b", "continues"),
+    (r"\bthe begin\b", "the start"),
+    (r"\bhardly\b", "barely, almost no, is unlikely to"),
+    (r"\bfor ever\b", "forever"),
+    (r"\bless the\b", "minus the"),
 ];
+
+/// What the patterns find and is good English.
+const ACCEPTED: &str =
+    r"(?i)\bthere (is|are) no\b|\b(is|are) no (longer|more|worse|wider|older|later|earlier)\b";
 
 /// The files that are searched.
 const PATHS: [&str; 6] = ["*.rs", "*.md", "*.py", "*.toml", "*.lua", ":!tests/tests/tree/words.rs"];
 
+/// Files that are not mended yet. The list may only shrink.
+const EXEMPT: [&str; 7] = [
+    ":!*.md",
+    ":!host/src",
+    ":!host/record",
+    ":!host/bench/src/scenario",
+    ":!host/campaign/src/file.rs",
+    ":!host/bench/tests/scenario",
+    ":!host/campaign/tests/synthetic/files.rs",
+];
+
 #[test]
 fn words_of_the_project() -> Result<()> {
-    let rules = compile()?;
-    let files = metadata::output_of(Command::new("git").args(["ls-files", "--"]).args(PATHS))?;
+    let words = Words::new()?;
+    let files = metadata::output_of(Command::new("git").args(["ls-files", "--"]).args(PATHS).args(EXEMPT))?;
     let mut found = Vec::new();
     for path in files.lines() {
         // A file that is deleted but not yet committed has no words.
         let Ok(text) = fs::read_to_string(tests::workspace().join(path)) else { continue };
         for (line, number) in text.lines().zip(1_u32..) {
-            let words = find(&rules, path, line).into_iter();
-            found.extend(words.map(|(word, instead)| format!("{path}:{number}: {word} -> {instead}")));
+            found.extend(
+                words.find(line).map(|(word, instead)| format!("{path}:{number}: {word} -> {instead}")),
+            );
         }
     }
     assert!(found.is_empty(), "{} words to replace\n{}", found.len(), found.join("\n"));
     Ok(())
 }
 
-fn compile() -> Result<Vec<(Regex, &'static str)>> {
-    let rules = TABLE.into_iter().map(|(pattern, instead)| {
-        let rule = Regex::new(&format!("(?i){pattern}")).with_context(|| format!("the pattern {pattern}"))?;
-        Ok((rule, instead))
-    });
-    rules.collect()
+struct Words {
+    rules: Vec<(Regex, &'static str)>,
+    accepted: Regex,
 }
 
-/// The words of a line, with what to write instead.
-fn find<'a>(rules: &'a [(Regex, &str)], path: &str, line: &'a str) -> Vec<(&'a str, &'a str)> {
-    // The changelog names old names where it says what replaced them.
-    if path == "CHANGELOG.md" && line.contains("alias") {
-        return Vec::new();
+impl Words {
+    fn new() -> Result<Self> {
+        let rules = TABLE.into_iter().map(|(pattern, instead)| {
+            let rule =
+                Regex::new(&format!("(?i){pattern}")).with_context(|| format!("the pattern {pattern}"))?;
+            Ok((rule, instead))
+        });
+        Ok(Self { rules: rules.collect::<Result<_>>()?, accepted: Regex::new(ACCEPTED)? })
     }
-    let words = rules
-        .iter()
-        .flat_map(|(rule, instead)| rule.find_iter(line).map(move |word| (word.as_str(), *instead)));
-    words.collect()
+
+    /// The words of a line, with what to write instead.
+    fn find<'a>(&'a self, line: &'a str) -> impl Iterator<Item = (&'a str, &'static str)> {
+        let accepted: Vec<_> = self.accepted.find_iter(line).map(|words| words.range()).collect();
+        let words = self
+            .rules
+            .iter()
+            .flat_map(move |(rule, instead)| rule.find_iter(line).map(move |words| (words, *instead)));
+        words
+            .filter(move |(words, _)| !accepted.iter().any(|accepted| accepted.contains(&words.start())))
+            .map(|(words, instead)| (words.as_str(), instead))
+    }
 }
 
 #[test]
 fn words_are_found_with_what_to_write_instead() {
-    let rules = compile().expect("the table compiles");
-    let words =
-        |line| find(&rules, "docs/faults.md", line).into_iter().map(|(word, _)| word).collect::<Vec<_>>();
-    assert_eq!(words("The drive says nought."), ["nought", "drive says"]);
-    assert_eq!(words("fn encode(&self, room: &mut [u8])"), ["room: "]);
-    assert_eq!(words("Greeting::send"), ["Greet"]);
-    for line in ["a string literal", "a room of its own", "the operator says so", "besides, many so do"] {
+    let rules = Words::new().expect("the table compiles");
+    let words = |line| rules.find(line).map(|(word, _)| word).collect::<Vec<_>>();
+    assert_eq!(words("A run goes on for ever."), ["goes on", "for ever"]);
+    assert_eq!(words("/// Is no scenario, in place of one."), ["Is no", "in place of"]);
+    assert_eq!(words("if there is no file, it is no file"), ["is no"]);
+    for line in
+        ["there are no samples", "the rest is no older", "a beginning", "unless the drive", "it is none"]
+    {
         assert_eq!(words(line), <[&str; 0]>::default(), "{line}");
     }
-}
-
-#[test]
-fn the_changelog_may_name_an_alias() {
-    let rules = compile().expect("the table compiles");
-    assert!(find(&rules, "CHANGELOG.md", "the literal law is an alias of merzouki-as-printed").is_empty());
-    assert_eq!(find(&rules, "CHANGELOG.md", "the literal law").len(), 1);
 }

@@ -32,7 +32,7 @@ pub fn time(cell: &str, period: Duration) -> Duration {
         "" => Duration::ZERO,
         _ => panic!("{PAGE}: {cell:?} has no unit"),
     };
-    scale.mul_f64(number.parse().unwrap_or_else(|_| panic!("{PAGE}: {cell:?} is no time")))
+    scale.mul_f64(number.parse().unwrap_or_else(|_| panic!("{PAGE}: {cell:?} isn't a time")))
 }
 
 /// What is wrong with a figure of the page: it is off by more than `tolerance`.

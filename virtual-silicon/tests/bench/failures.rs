@@ -7,7 +7,7 @@ use lashloop_silicon::thumb::{Code, FOREVER, RETURN, UNDEFINED};
 
 /// The answer to a request that no run needs.
 const SITE: &str = "send_description";
-/// A function that one law calls in every step. In place of it, the argument is the value.
+/// A function that one law calls in every step. The argument is returned instead of its value.
 const FUNCTION: &str = "tanhf";
 /// Where a test puts the code: RAM between variables and stack.
 pub const PLACE: u32 = 0x2001_1000;
@@ -57,13 +57,13 @@ pub fn serving_no_more() -> Code {
     Code::default().halfwords(&[0x2000, 0xf380, 0x8811, FOREVER])
 }
 
-/// Returns the flag in place of a value, unless it is 0.
+/// Returns the flag instead of a value, unless it is 0.
 pub fn returning_the_flag() -> Code {
     // ldr r1, [r0]; cbz r1, 1f; vmov s0, r1; 1:
     Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb109, 0xee00, 0x1a10, RETURN])
 }
 
-/// Loops for ever if the flag is not 0.
+/// Loops forever if the flag is not 0.
 pub fn never_ending() -> Code {
     // ldr r1, [r0]; cbz r1, 1f; b .; 1:
     Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb101, FOREVER, RETURN])

@@ -22,7 +22,7 @@ impl Machine {
         let (site, placed) = (site(receiver), image.image().expect("an image"));
         let thread = thread::spawn(move || {
             let mut ended = machine::run(placed, wiring, site).expect("the image runs");
-            // A test that waits for an answer would wait for ever.
+            // A test that waits for an answer would wait forever.
             ended.surroundings.close();
             ended
         });

@@ -69,7 +69,7 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with the row of a cause. Another build of the image shifts its steps: a tenth of the limit is no error.
+/// What is wrong with the row of a cause. Another build of the image shifts its steps: a tenth of the limit is tolerated.
 fn compare_with_docs(cause: &Cause, measured: &[Duration]) -> Vec<String> {
     let cells = docs::row(cause.name);
     let [from, by, within, figures @ ..] = &cells[..] else { return vec![format!("{cells:?}")] };

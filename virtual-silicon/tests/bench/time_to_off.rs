@@ -100,7 +100,7 @@ fn recover(host: &mut Host) {
     host.shake_hands(SESSION);
     host.set_all(&[]);
     host.run_under_torque();
-    // Ticks of the former period are no measure of lateness.
+    // Ticks of the former period don't measure lateness.
     host.bench.act(|_, site| site.log.ticks.clear());
     host.steps(3, 1.0);
 }

@@ -122,7 +122,7 @@ def _baud(text: str) -> int:
 def _setting(text: str) -> tuple[str, float | str]:
     name, equals, value = text.partition("=")
     if not (name and equals and value):
-        raise argparse.ArgumentTypeError(f"{text} is no setting; expected NAME=VALUE")
+        raise argparse.ArgumentTypeError(f"{text} isn't a setting; expected NAME=VALUE")
     try:
         return name, float(value)
     except ValueError:

@@ -35,7 +35,7 @@ class Counters:
     crc_errors: int = 0
     """Frames with a wrong CRC."""
     refused: int = 0
-    """Whole frames that are no message of this direction and version."""
+    """Whole frames that aren't messages of this direction and version."""
 
     @property
     def damaged(self) -> int:

@@ -42,7 +42,7 @@ M = TypeVar("M", bound=Message)
 
 
 class FrameError(LashloopError):
-    """The bytes between two delimiters are no message. They are discarded whole."""
+    """The bytes between two delimiters aren't a message. They are discarded whole."""
 
 
 class OversizedError(FrameError):
@@ -62,7 +62,7 @@ class CrcError(FrameError):
 
 
 class BodyError(FrameError):
-    """The frame is whole but is no message of this version and direction."""
+    """The frame is whole but isn't a message of this version and direction."""
 
 
 class Direction(Generic[M]):
@@ -74,7 +74,7 @@ class Direction(Generic[M]):
         self._layouts = {LAYOUTS[it].kind: LAYOUTS[it] for it in messages}
 
     def read_body(self, body: bytes) -> M:
-        """Decode a body; `BodyError` if it is no message of this direction."""
+        """Decode a body; `BodyError` if it isn't a message of this direction."""
         layout = self._layouts.get(body[0])
         if layout is None:
             raise BodyError(f"kind {body[0]:#04x} is not a message of the {self.sender}")
@@ -107,7 +107,7 @@ def encode(message: Message) -> bytes:
 
 
 def open_frame(stuffed: bytes) -> bytes:
-    """Return the body in the bytes between two delimiters; `FrameError` if they are no frame."""
+    """Return the body in the bytes between two delimiters; `FrameError` if they aren't a frame."""
     if len(stuffed) >= MAX_FRAME:
         raise OversizedError(len(stuffed))
     try:
@@ -124,5 +124,5 @@ def open_frame(stuffed: bytes) -> bytes:
 
 
 def decode(frame: bytes, direction: Direction[M]) -> M:
-    """Decode one whole frame, with or without its delimiter; `FrameError` if it is no message."""
+    """Decode one whole frame, with or without its delimiter; `FrameError` if it isn't a message."""
     return direction.read_body(open_frame(frame.removesuffix(DELIMITER)))

@@ -151,7 +151,7 @@ FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
 StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
-# Unlike a torque flag, a bit without a name is no error.
+# Unlike a torque flag, a bit without a name isn't an error.
 ParameterFlagsField = Annotated[ParameterFlags, Wire("flags8", "B", "8 bits", None, ParameterFlags)]
 
 
@@ -232,7 +232,7 @@ class Layout:
 def _wire_of(annotation: Any) -> Wire:
     (wire,) = annotation.__metadata__
     if not isinstance(wire, Wire):
-        raise TypeError(f"{annotation} is no wire type")
+        raise TypeError(f"{annotation} isn't a wire type")
     return wire
 
 

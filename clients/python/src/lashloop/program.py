@@ -30,7 +30,7 @@ def find_program() -> Path:
     named = os.environ.get(VARIABLE)
     if named:
         if not Path(named).is_file():
-            raise ProgramNotFoundError(f"{VARIABLE} is {named}, which is no file: correct it, or unset it")
+            raise ProgramNotFoundError(f"{VARIABLE} is {named}, which isn't a file: correct it, or unset it")
         return Path(named)
     installed = shutil.which(_NAME)
     if installed:

@@ -39,7 +39,7 @@ class Verdict(str, Enum):
     FAIL = "FAIL"
     """An expectation is missed."""
     INVALID = "INVALID"
-    """Link or timing exceeded what the scenario allows, so the run is no statement about the drive."""
+    """Link or timing exceeded what the scenario allows, so the run says nothing about the drive."""
 
     def __str__(self) -> str:
         """Return the word."""

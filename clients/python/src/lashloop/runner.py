@@ -100,7 +100,7 @@ def _run_on(drive: Drive, words: list[str], out: str | os.PathLike[str] | None, 
         with background:
             return _run([*words, "--device", background.path], out, timeout_s)
     finally:
-        # The cause, in place of the program's report about a drive that has ended.
+        # The cause, instead of the program's report about a drive that has ended.
         if background.error is not None:
             raise background.error
 

@@ -50,7 +50,7 @@ class Samples:
         except OSError as error:
             raise RecordError(path, f"can't be read: {error.strerror}") from error
         except (McapError, ValueError) as error:
-            raise RecordError(path, f"is no MCAP file of a run: {error}") from error
+            raise RecordError(path, f"isn't an MCAP file of a run: {error}") from error
         step = topics.get("/step")
         if step is None or not step.numbers:
             raise RecordError(path, "has no steps")

@@ -1,6 +1,6 @@
 //! Gains and limits of the backlash inverse.
 
-use crate::control::{ParameterError, Real};
+use crate::law::{ParameterError, Real};
 
 crate::parameters! {
     /// Gains and limits, by default for the mechanics of table 1 behind encoders of some thousand counts, with up to 8 ms

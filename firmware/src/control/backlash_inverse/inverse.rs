@@ -9,9 +9,8 @@ use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::real::alpha;
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::control::lag::alpha;
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// What the law needs besides mechanics and gains.
 #[derive(Debug, Clone, Copy, PartialEq)]

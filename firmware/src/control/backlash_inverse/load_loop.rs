@@ -10,7 +10,7 @@
 
 use super::gains::BacklashInverseGains;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{Measurement, Real};
+use crate::law::{Measurement, Real};
 
 /// Load error that ends a hold, in bands.
 const RELEASE_BANDS: f64 = 4.0;

@@ -7,7 +7,7 @@ use super::inverse::{BacklashInverse, BacklashInverseSetting};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone_observer::DeadZoneBounds;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement};
+use crate::law::{ControlOutput, Measurement};
 
 const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
 

@@ -11,9 +11,9 @@
 //!
 //! The root is the stop at constant deceleration. It has an infinite slope at the target, so a line takes over, and near
 //! the target a parabola, which lands slowly enough for dry friction to stop the load. Velocity and slope are continuous
-//! while d is at least l s_L (l + l_L) / 2; with less the velocity steps up at s_L.
+//! while d is at least l s_L (l + l_L) / 2; with a smaller d the velocity steps up at s_L.
 
-use crate::control::Real;
+use crate::law::Real;
 
 /// The curve with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Gains and limits of the braking-curve law.
 
-use crate::control::{ParameterError, Real};
+use crate::law::{ParameterError, Real};
 
 crate::parameters! {
     /// Gains and limits, by default for the mechanics of table 1 within 30 %, behind encoders of some thousand counts.

@@ -9,9 +9,9 @@
 //! Loads up to [`TOLERATED`] times the nominal inertia need no adaptation: the braking curve is planned for them. A heavier
 //! load brakes earlier, by the factor that this module gives.
 
-use crate::control::Real;
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
+use crate::law::Real;
 
 /// Inertia in nominal inertias up to which the factor is 1. The impulse of unknown friction adds up to a quarter.
 const TOLERATED: f64 = 1.35;

@@ -10,9 +10,8 @@ use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::MomentumObserver;
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::real::alpha;
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-use crate::law::{ControlLaw, DriveParameters};
+use crate::control::lag::alpha;
+use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// Periods in a row with a balanced motor before a sample counts for the gap.
 const BALANCED_PERIODS: u32 = 19;

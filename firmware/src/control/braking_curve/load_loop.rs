@@ -12,7 +12,7 @@ use super::gains::BrakingCurveGains;
 use super::inertia_factor::{InertiaFactor, InertiaFactorState};
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{Measurement, Real};
+use crate::law::{Measurement, Real};
 
 /// Fraction of the drive's torque limit that the transmitted torque may use; the rest moves the motor.
 const TRANSMITTED_FRACTION: f64 = 0.95;

@@ -5,10 +5,10 @@ use std::string::ToString;
 use super::gains::BrakingCurveGains;
 use super::law::{BrakingCurve, BrakingCurveSetting, LEARNT_DEVIATION_RAD};
 use super::load_loop::{LoadLoop, LoadLoopState};
-use crate::control::Measurement;
 use crate::control::dead_zone_observer::DeadZoneBounds;
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
+use crate::law::Measurement;
 
 fn setting() -> BrakingCurveSetting<f64> {
     BrakingCurveSetting {

@@ -8,7 +8,7 @@
 //! d2C_r/dt2 = w^2 (C_s - C_r) - 2 w dC_r/dt,   |kappa dC_r/dt| <= winding speed
 //! ```
 
-use crate::control::Real;
+use crate::law::Real;
 
 /// The filter with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]

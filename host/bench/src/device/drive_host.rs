@@ -47,7 +47,7 @@ impl DriveHost {
         }
     }
 
-    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time goes on.
+    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time continues.
     pub fn set_suspended(&self, is_suspended: bool) {
         match self {
             Self::InProcess(suspension) => suspension.set(is_suspended),

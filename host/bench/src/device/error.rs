@@ -133,7 +133,7 @@ pub enum DeviceError {
         device: String,
         /// Distance of the load from its start, in rad.
         distance_rad: f64,
-        /// Largest distance allowed, either way.
+        /// Largest distance allowed, in either direction.
         tolerance_rad: f64,
     },
     /// The drive keeps to the protocol but can't serve this bench.
@@ -189,7 +189,7 @@ fn open_reason(source: &io::Error) -> String {
         }
         // ENOTTY, of which the serialport crate keeps only the text.
         _ if source.raw_os_error() == Some(25) || source.to_string() == "Not a typewriter" => {
-            "this is no terminal, and a drive needs one".to_owned()
+            "this isn't a terminal, and a drive needs one".to_owned()
         }
         _ => source.to_string(),
     }

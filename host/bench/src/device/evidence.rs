@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
+use lashloop_protocol::hex::Hex;
 use lashloop_protocol::message::Identity;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-
-use crate::run::digest::hexadecimal;
 
 /// The files that run as a drive, as its kind gives them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -146,7 +145,7 @@ fn sha256(mut file: &File) -> io::Result<String> {
             count => hash.update(&piece[..count]),
         }
     }
-    Ok(hexadecimal(hash))
+    Ok(Hex(&hash.finalize()).to_string())
 }
 
 /// The source that was changed last, if that was after `program` was built. Cargo lists the sources of a program in a file
@@ -155,7 +154,7 @@ fn newer_source(program: &Path) -> Option<PathBuf> {
     let built = modified(program)?;
     let list = fs::read_to_string(program.with_extension("d")).ok()?;
     let newest = sources(&list)
-        // A commit is no change of a source, and the build id has it.
+        // A commit doesn't change a source, and the build id has it.
         .filter(|path| !path.components().any(|part| part.as_os_str() == ".git"))
         // A folder changes with every file that an editor keeps in it.
         .filter(|path| path.is_file())

@@ -38,7 +38,7 @@ impl Link for OwnTime {
         let mut wait = self.program.wait();
         loop {
             let count = self.link.receive(buffer, deadline + self.stood_still)?;
-            // A look at what has arrived is no wait.
+            // A look at what has arrived doesn't wait.
             let may_wait = count == 0 && !left.is_zero() && self.time_base == TimeBase::Virtual;
             if !may_wait || !wait.is_excused() {
                 return Ok(count);

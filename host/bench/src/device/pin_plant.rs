@@ -11,7 +11,7 @@ use crate::timing::ClockName;
 /// What lies between duty and torque, and between position and count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinScales {
-    /// Torque for a duty of 1 more than 0.5, in N m; 0.5 is no torque. `None` if the scenario lacks it.
+    /// Torque for a duty of 1 more than 0.5, in N m; 0.5 gives zero torque. `None` if the scenario lacks it.
     pub torque_per_duty_nm: Option<f64>,
     /// Counts per revolution of the encoder at the motor.
     pub motor_counts_per_rev: u32,

@@ -32,7 +32,7 @@ pub struct Timeline {
     has_news: bool,
 }
 
-/// The begin or the end of an injected fault.
+/// The start or the end of an injected fault.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FaultEdge {
     /// Number of the fault in the scenario, from 0.

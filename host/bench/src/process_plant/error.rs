@@ -99,7 +99,7 @@ pub enum ProcessError {
         /// The line; its beginning, if it is long.
         line: String,
     },
-    /// The process reports that it can't go on.
+    /// The process reports that it can't continue.
     #[error("the plant's process reports: {0}")]
     Reported(String),
 }

@@ -172,7 +172,7 @@ fn a_line_without_a_step_is_an_error_instead_of_a_lag() {
     ));
     assert!(error.contains("without a step for it"), "{error}");
     assert!(error.contains(r#"wrote "{\"motor_position_rad\":0,"#), "{error}");
-    // The extra line follows later, and the steps go on in the meantime.
+    // The extra line follows later, and the steps continue in the meantime.
     let late = format!("echo '{STATE}'; while read c; do echo '{STATE}'; sleep 0.01; echo '{STATE}'; done");
     let error = error_of_later_step(&late);
     assert!(error.contains("without a step for it"), "{error}");

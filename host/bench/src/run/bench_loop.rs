@@ -13,6 +13,7 @@ use lashloop_protocol::message::{BenchSample, EncoderSample};
 use lashloop_protocol::sequence::nearest_step;
 
 use super::answer_check::broken_torque_rule;
+use super::bench_phase::{BenchPhase, Measurement};
 use super::bench_positions::BenchPositions;
 use super::control_loop::{Counts, LoopSettings};
 use super::error::RunError;
@@ -36,13 +37,6 @@ const START_TOLERANCE_RAD: f64 = 0.02;
 const SLOWEST_CLOCK: u32 = 10;
 /// Further periods, for the first tick and the last report.
 const MARGIN_PERIODS: u32 = 20;
-/// A step whose report is lost.
-const UNREPORTED: StepTiming = StepTiming {
-    lateness: Duration::ZERO,
-    outcome: StepOutcome::Unanswered,
-    round_trip: None,
-    tick_compute: None,
-};
 /// Time for the report of a fault after the step that caused it.
 const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
 
@@ -51,27 +45,15 @@ pub(super) struct BenchLoop<'a, S> {
     scenario: &'a Scenario,
     pub(super) sink: S,
     pub(super) timeline: Timeline,
-    clock: ClockName,
-    torque_limit_nm: f32,
-    /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
-    reference_zero_rad: f64,
+    settings: LoopSettings,
+    phase: BenchPhase,
     positions: BenchPositions,
-    /// Zero of the travel; `None` until the first step of a load that starts anywhere.
-    travel_zero_rad: Option<f64>,
-    /// The last measurement, and the timing of its step.
-    latest: TraceRow,
-    latest_timing: StepTiming,
-    /// Steps for each report of the drive.
-    sample_every: u32,
-    /// The next step to be recorded.
-    next_step: u32,
-    /// When the last report arrived, or the first reference was sent, in the link's time.
-    last_report_at: Option<Instant>,
     /// `None` in real time, where the clock bounds every wait.
     waiting: Option<WaitingTime>,
-    pub(super) counts: Counts,
-    plant_signals: usize,
-    drive_signals: usize,
+    /// The next step to be recorded.
+    next_step: u32,
+    /// Recorded steps without a report.
+    unanswered: u64,
     /// The last step. Its telemetry follows its report, so it is complete only with the next one.
     unfinished: Option<Step>,
 }
@@ -79,46 +61,29 @@ pub(super) struct BenchLoop<'a, S> {
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
     pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } =
-            settings;
-        let start = &scenario.plant.initial;
-        let positions = BenchPositions::new(scenario);
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
         Self {
             scenario,
             sink,
             timeline,
-            clock,
-            torque_limit_nm,
-            reference_zero_rad: if takes_torque { 0.0 } else { positions.load_zero_rad() },
-            positions,
-            travel_zero_rad: match scenario.bench.start {
-                BenchStart::Initial => Some(0.0),
-                BenchStart::Anywhere => None,
-            },
-            latest: TraceRow {
-                time_s: 0.0,
-                reference_rad: scenario.reference.position_rad(0.0),
-                load_position_rad: start.load_position_rad,
-                motor_position_rad: start.motor_position_rad,
-                torque_nm: 0.0,
-            },
-            latest_timing: UNREPORTED,
-            sample_every: scenario.bench.sample_every,
+            settings,
+            phase: BenchPhase::Started,
+            positions: BenchPositions::new(scenario),
+            waiting: (settings.clock == ClockName::Lockstep).then(waiting),
             next_step: 0,
-            last_report_at: None,
-            waiting: (clock == ClockName::Lockstep).then(waiting),
-            counts: Counts::default(),
-            plant_signals,
-            drive_signals,
+            unanswered: 0,
             unfinished: None,
         }
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        Counts { steps: self.next_step.into(), unanswered: self.unanswered, resumes: 0 }
     }
 
     /// Periods of the bench at most.
     pub(super) fn periods(&self) -> u32 {
         let steps = self.scenario.run.steps();
-        match self.clock {
+        match self.settings.clock {
             ClockName::Lockstep => steps,
             ClockName::RealTime => steps.saturating_add(steps / SLOWEST_CLOCK + MARGIN_PERIODS),
         }
@@ -132,10 +97,10 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
         self.miss(period, device)?;
-        if !period.is_multiple_of(self.sample_every) {
+        if !period.is_multiple_of(self.scenario.bench.sample_every) {
             return Ok(None);
         }
-        let reference_rad = self.reference_rad(period) - self.reference_zero_rad;
+        let reference_rad = self.reference_rad(period) - self.reference_zero_rad();
         let asked = Instant::now();
         let reports = device
             .session
@@ -149,11 +114,11 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             let spent = waiting.spend(asked.elapsed(), || device.connection.host.busy());
             spent.map_err(|source| device.explain(source))?;
         }
-        while let Some(present) = report {
-            if let Some(end) = self.take(present, period, device)? {
+        while let Some((present, arrived)) = report {
+            if let Some(end) = self.take(present, arrived, period, device)? {
                 return Ok(Some(end));
             }
-            let is_last = self.clock == ClockName::Lockstep && self.next_step > period;
+            let is_last = self.settings.clock == ClockName::Lockstep && self.next_step > period;
             // Reports of a drive with a faster clock have gathered.
             let now = device.session.line.now();
             report = match if is_last { Ok(None) } else { self.report(now, device) } {
@@ -186,23 +151,23 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         self.sink.take(step)
     }
 
+    /// The next report, with the time of its arrival.
     fn report(
         &mut self,
         deadline: Instant,
         device: &mut Device,
-    ) -> Result<Option<BenchReport>, SessionError> {
-        let sent = device.session.line.now();
-        self.last_report_at.get_or_insert(sent);
-        let report = device.session.bench_report(deadline)?;
-        if report.is_some() {
-            self.last_report_at = Some(device.session.line.now());
-        }
-        Ok(report)
+    ) -> Result<Option<(BenchReport, Instant)>, SessionError> {
+        self.phase.note_sent(device.session.line.now());
+        let Some(report) = device.session.bench_report(deadline)? else { return Ok(None) };
+        let arrived = device.session.line.now();
+        self.phase.note_report(arrived);
+        Ok(Some((report, arrived)))
     }
 
     fn take(
         &mut self,
         report: BenchReport,
+        arrived: Instant,
         period: u32,
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
@@ -217,7 +182,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         }
         let BenchSample { sequence, torque_nm, status, reference_number, .. } = sample.message;
         let broken = |rule| Ok(Some(End::RuleBroken(BrokenRule { rule, step: sample.step, sequence })));
-        if let Some(rule) = broken_torque_rule(torque_nm, status, self.torque_limit_nm) {
+        if let Some(rule) = broken_torque_rule(torque_nm, status, self.settings.torque_limit_nm) {
             return broken(rule);
         }
         if status.state != State::Running {
@@ -227,21 +192,20 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             return broken(AnswerRule::ReferenceSent { number: reference_number });
         };
         self.fill_steps_before(sample.step, device)?;
-        self.measure(&sample, reference, device)?;
+        self.measure(&sample, reference, arrived, device)?;
         let end = self.leave_travel();
         let steps = self.scenario.run.steps();
-        if end.is_none() && steps - sample.step <= self.sample_every {
+        if end.is_none() && steps - sample.step <= self.scenario.bench.sample_every {
             self.fill_steps_before(steps, device)?;
         }
         Ok(end)
     }
 
     /// The end of a run whose load has left its travel.
-    fn leave_travel(&mut self) -> Option<End> {
-        let position_rad = self.latest.load_position_rad;
-        let zero_rad = *self.travel_zero_rad.get_or_insert(position_rad);
-        let (reached_rad, limit_rad) =
-            ((position_rad - zero_rad).abs(), self.scenario.bench.load_travel_limit_rad?);
+    fn leave_travel(&self) -> Option<End> {
+        let BenchPhase::Measuring { travel_zero_rad, latest, .. } = &self.phase else { return None };
+        let limit_rad = self.scenario.bench.load_travel_limit_rad?;
+        let reached_rad = (latest.row.load_position_rad - travel_zero_rad).abs();
         (reached_rad > limit_rad).then_some(End::BeyondTravel { reached_rad, limit_rad })
     }
 
@@ -250,21 +214,17 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         &mut self,
         sample: &AtStep<BenchSample>,
         reference: u32,
+        arrived: Instant,
         device: &Device,
     ) -> Result<(), RunError> {
         let (motor_position_rad, load_position_rad) = self.positions.take(sample);
-        let start_rad = self.positions.load_zero_rad();
-        let is_first = self.counts.steps == self.counts.unanswered;
-        let is_away = (load_position_rad - start_rad).abs() > START_TOLERANCE_RAD;
-        if is_first && is_away && self.scenario.bench.start == BenchStart::Initial {
-            return Err(DeviceError::AwayFromStart {
-                device: device.connection.choice.to_string(),
-                distance_rad: load_position_rad - start_rad,
-                tolerance_rad: START_TOLERANCE_RAD,
+        let travel_zero_rad = match self.phase {
+            BenchPhase::Measuring { travel_zero_rad, .. } => travel_zero_rad,
+            BenchPhase::Started | BenchPhase::AwaitingFirstStep { .. } => {
+                self.travel_zero_rad(load_position_rad, device)?
             }
-            .into());
-        }
-        self.latest = TraceRow {
+        };
+        let row = TraceRow {
             time_s: 0.0,
             reference_rad: self.reference_rad(reference),
             load_position_rad,
@@ -272,32 +232,51 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             torque_nm: sample.torque_nm.into(),
         };
         let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
-        let reported = EncoderSample {
-            sequence: sample.sequence,
-            motor_counts: sample.motor_counts,
-            load_counts: sample.load_counts,
-            reference_rad: (self.latest.reference_rad - start_rad) as f32,
-        };
-        self.latest_timing = StepTiming {
+        let timing = StepTiming {
             lateness: tenths_us(sample.lateness_tenths_us),
             outcome: StepOutcome::Answered,
             round_trip: None,
             tick_compute: Some(tenths_us(sample.compute_tenths_us)),
         };
-        self.record(Some(reported), self.latest_timing, device)
+        let latest = Measurement { step: sample.step, row, timing };
+        self.phase = BenchPhase::Measuring { silent_since: arrived, travel_zero_rad, latest };
+        let reported = EncoderSample {
+            sequence: sample.sequence,
+            motor_counts: sample.motor_counts,
+            load_counts: sample.load_counts,
+            reference_rad: (row.reference_rad - self.positions.load_zero_rad()) as f32,
+        };
+        self.record(Some(reported), timing, device)
+    }
+
+    /// Zero of the travel of a load that the drive first reports at this position.
+    ///
+    /// # Errors
+    /// The load is not where the scenario starts.
+    fn travel_zero_rad(&self, load_position_rad: f64, device: &Device) -> Result<f64, RunError> {
+        match self.scenario.bench.start {
+            BenchStart::Anywhere => Ok(load_position_rad),
+            BenchStart::Initial => {
+                let distance_rad = load_position_rad - self.positions.load_zero_rad();
+                if distance_rad.abs() > START_TOLERANCE_RAD {
+                    let device = device.connection.choice.to_string();
+                    let tolerance_rad = START_TOLERANCE_RAD;
+                    return Err(DeviceError::AwayFromStart { device, distance_rad, tolerance_rad }.into());
+                }
+                Ok(0.0)
+            }
+        }
     }
 
     /// Records the steps before `step` with the last measurement: those without a report after one that has arrived, and those
     /// whose report is lost.
     fn fill_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
         while self.next_step < step {
-            if self.next_step.is_multiple_of(self.sample_every) {
-                self.latest_timing = UNREPORTED;
+            let timing = self.phase.timing_of(self.next_step, self.scenario.bench.sample_every);
+            if timing.outcome == StepOutcome::Unanswered {
+                self.unanswered += 1;
             }
-            if self.latest_timing.outcome == StepOutcome::Unanswered {
-                self.counts.unanswered += 1;
-            }
-            self.record(None, self.latest_timing, device)?;
+            self.record(None, timing, device)?;
         }
         Ok(())
     }
@@ -309,14 +288,31 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &Device,
     ) -> Result<(), RunError> {
         self.finish(device)?;
+        let LoopSettings { plant_signals, drive_signals, .. } = self.settings;
         let time_s = f64::from(self.next_step) * self.scenario.run.control_period_s();
-        let plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant_signals.min(MAX_SIGNALS)).collect();
-        let row = TraceRow { time_s, ..self.latest };
-        let drive = DriveValues::unknown(self.drive_signals);
+        let row = TraceRow { time_s, ..self.latest_row() };
+        let plant: TruthValues = std::iter::repeat_n(f64::NAN, plant_signals.min(MAX_SIGNALS)).collect();
+        let drive = DriveValues::unknown(drive_signals);
         self.unfinished = Some(Step { row, sample, plant, drive, timing });
         self.next_step += 1;
-        self.counts.steps += 1;
         Ok(())
+    }
+
+    /// The last measurement; before the first one, the start of the scenario.
+    fn latest_row(&self) -> TraceRow {
+        match &self.phase {
+            BenchPhase::Measuring { latest, .. } => latest.row,
+            BenchPhase::Started | BenchPhase::AwaitingFirstStep { .. } => {
+                let start = &self.scenario.plant.initial;
+                TraceRow {
+                    time_s: 0.0,
+                    reference_rad: self.reference_rad(0),
+                    load_position_rad: start.load_position_rad,
+                    motor_position_rad: start.motor_position_rad,
+                    torque_nm: 0.0,
+                }
+            }
+        }
     }
 
     /// The end of the run with a drive that runs no more: the fault that it has latched, or the rule that it breaks.
@@ -345,8 +341,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     fn check_silence(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {
         let limit = self.scenario.link.silence_limit();
-        let Some(last_report_at) = self.last_report_at else { return Ok(None) };
-        if device.session.line.now().saturating_duration_since(last_report_at) < limit {
+        let Some(silent_since) = self.phase.silent_since() else { return Ok(None) };
+        if device.session.line.now().saturating_duration_since(silent_since) < limit {
             return Ok(None);
         }
         let silent = device.session.line.silent("Reference", limit);
@@ -362,6 +358,11 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             // The reader of scenarios rejects it.
             None => Ok(Some(End::DriveRestarted)),
         }
+    }
+
+    /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
+    fn reference_zero_rad(&self) -> f64 {
+        if self.settings.takes_torque { 0.0 } else { self.positions.load_zero_rad() }
     }
 
     fn reference_rad(&self, period: u32) -> f64 {

@@ -75,7 +75,7 @@ pub(super) struct Counts {
     pub(super) resumes: u64,
 }
 
-/// How a step goes on after its exchange.
+/// How a step continues after its exchange.
 type Exchanged = ControlFlow<End, (StepOutcome, Option<RoundTrip>)>;
 
 impl<'a, S: StepSink> ControlLoop<'a, S> {
@@ -294,7 +294,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         Ok(None)
     }
 
-    /// Lets the plant go on for a period under the torque of the step.
+    /// Moves the plant on by a period under the torque of the step.
     fn hold(
         &mut self,
         step: u32,

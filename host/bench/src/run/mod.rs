@@ -13,6 +13,7 @@
 //! | `run_loop` | what closes the loop: HIL mode or bench mode |
 //! | `control_loop` | one step of HIL mode |
 //! | `bench_loop` | one period of bench mode: a reference, and the reports of the drive's own steps |
+//! | `bench_phase` | where the drive is in a run of bench mode: started, awaited, measuring |
 //! | `bench_positions` | positions from the counts of the drive's encoders |
 //! | `latched_fault` | the report of a fault that the drive has latched |
 //! | `answer_check` | holds every torque answer to the rules of the protocol |
@@ -29,6 +30,7 @@
 
 mod answer_check;
 mod bench_loop;
+mod bench_phase;
 mod bench_positions;
 mod clock;
 mod control_loop;

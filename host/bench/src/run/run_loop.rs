@@ -126,7 +126,7 @@ impl<'a, S: StepSink> RunLoop<'a, S> {
     pub(super) fn counts(&self) -> Counts {
         match self {
             Self::Hil(control) => control.counts,
-            Self::Bench(bench) => bench.counts,
+            Self::Bench(bench) => bench.counts(),
         }
     }
 

@@ -74,7 +74,7 @@ pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
     }
 }
 
-/// Reads the largest torque of the drive in N m, either way.
+/// Reads the largest torque of the drive in N m, in either direction.
 ///
 /// # Errors
 /// The drive has no such limit, or the session failed.

@@ -96,7 +96,7 @@ impl DriveValues {
 }
 
 impl Step {
-    /// What the metrics of a run in this mode take of the step. In bench mode the plant's signals are no truth.
+    /// What the metrics of a run in this mode take of the step. In bench mode the plant's signals aren't the truth.
     #[must_use]
     pub fn measured(&self, mode: RunMode) -> Sample<'_> {
         let row = &self.row;

@@ -196,7 +196,7 @@ fn signal_group(id: u32, signal: Signal) {
     }
 }
 
-/// Waits for the end of a child, and kills it as soon as its [`Process`] is dropped. Either way no descendant stays.
+/// Waits for the end of a child, and kills it as soon as its [`Process`] is dropped. In both cases no descendant stays.
 async fn wait_or_kill(mut child: Child, id: u32, killed: oneshot::Receiver<()>) -> io::Result<ExitStatus> {
     let ended = tokio::select! {
         status = child.wait() => Some(status),

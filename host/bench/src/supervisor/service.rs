@@ -33,7 +33,7 @@ impl Signals {
 
 /// Starts child processes and receives signals, on a thread with a tokio runtime. The thread ends with it.
 pub struct Supervisor {
-    /// The `lashloop` program; empty if there is none that children could be tied to.
+    /// The `lashloop` program; empty if there is none to tie children to.
     pub bench: PathBuf,
     orders: channel::UnboundedSender<Order>,
     signals: Arc<Signals>,

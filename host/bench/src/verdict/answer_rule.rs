@@ -13,7 +13,7 @@ pub enum AnswerRule {
         /// The torque in N m.
         torque_nm: f32,
     },
-    /// A torque lies within `torque_limit_nm`, either way.
+    /// A torque lies within `torque_limit_nm`, in either direction.
     WithinLimit {
         /// The torque in N m.
         torque_nm: f32,
@@ -76,7 +76,7 @@ impl AnswerRule {
             Self::WithinLimit { .. } => "a torque lies within torque_limit_nm",
             Self::ZeroUnlessRunning { .. } => "a torque is 0 in every state but Running",
             Self::SaturatedAtLimit { .. } => {
-                "a torque with the flag SATURATED is torque_limit_nm, either way"
+                "a torque with the flag SATURATED is torque_limit_nm, in either direction"
             }
             Self::GapFlagged => "the answer to a sample after a gap has the flag GAP",
             Self::GapOnlyAfterGap => "only the answer to a sample after a gap has the flag GAP",

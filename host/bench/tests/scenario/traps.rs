@@ -1,4 +1,4 @@
-//! Scenarios that are valid key by key, but hardly what their author meant.
+//! Scenarios that are valid key by key, but probably not what their author meant.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::{SHORTEST, printed_and_read, read, set};
 const AT_ZERO: &str =
     "model = \"smooth\"\n[plant.initial]\nload_position_rad = 0.0\nmotor_position_rad = 0.0";
 
-/// The shortest scenario with these lines in place of others.
+/// The shortest scenario with these lines instead of others.
 fn with<const N: usize>(changes: [(&str, &str); N]) -> String {
     changes.into_iter().fold(SHORTEST.to_owned(), |text, (from, to)| {
         assert_eq!(text.matches(from).count(), 1, "{from:?} isn't unique");
@@ -161,7 +161,7 @@ fn a_plant_that_differs_from_the_drive_s_defaults_is_a_trap_at_set_up() {
     );
     // A law without the parameter doesn't depend on it.
     assert!(scenario.check_drive(|_| None).is_ok());
-    // A parameter that the scenario sets is no default.
+    // A parameter that the scenario sets isn't a default.
     let equal = format!("{wider}[controller.parameters]\ndead_zone_rad = 0.2\n");
     assert!(read(&equal, &[]).expect("a good scenario").check_drive(default_of).is_ok());
     let meant = meant("mismatch", &wider);

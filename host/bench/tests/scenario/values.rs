@@ -58,7 +58,7 @@ fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
     for name in ["motor_counts_per_rev", "load_counts_per_rev"] {
         let entry =
             Laws::PARAMETERS.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
-        let Range::U32 { min, max, .. } = entry.range else { panic!("{name} is no whole number") };
+        let Range::U32 { min, max, .. } = entry.range else { panic!("{name} isn't a whole number") };
         assert_eq!((min, max), (MIN_COUNTS_PER_REV, MAX_COUNTS_PER_REV), "{name}");
     }
 }

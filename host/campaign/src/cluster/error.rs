@@ -17,7 +17,7 @@ pub enum ClusterError {
     #[error("--shards {shards} is more than the {cases} cases of the campaign: at most one shard per case")]
     Shards { shards: u32, cases: u64 },
     #[error(
-        "{text:?} can't be written into a job script: it has a control character or, for sbatch, a backslash, or is no UTF-8; rename it or choose another \
+        "{text:?} can't be written into a job script: it has a control character or, for sbatch, a backslash, or isn't UTF-8; rename it or choose another \
          folder"
     )]
     Unwritable { text: String },

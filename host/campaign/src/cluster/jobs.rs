@@ -40,7 +40,7 @@ pub fn submit_merge(
 ) -> Result<u32, ClusterError> {
     let script = scripts.logs.join(MERGE);
     write_script(&script, &scripts.of_merge()?)?;
-    // Not afterok, with which the merge of a dead task waits for ever: the merge finds out which shard is missing, and fails.
+    // Not afterok, with which the merge of a dead task waits forever: the merge finds out which shard is missing, and fails.
     let after: String = arrays.iter().map(|array| format!(":{array}")).collect();
     let dependency = (!after.is_empty()).then(|| format!("--dependency=afterany{after}"));
     let merge = slurm::submit(&script, dependency.as_slice())?;

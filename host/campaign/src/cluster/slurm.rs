@@ -60,7 +60,7 @@ pub fn cancel_pending(job: u32) -> Result<(), ClusterError> {
 fn queued(line: &str) -> Option<Queued> {
     let mut fields = line.splitn(4, ' ');
     let mut next = || fields.next();
-    // Of a job that is no array, the index is `N/A`.
+    // Of a job that isn't an array, the index is `N/A`.
     let (job, index, is_pending) = (next()?.parse().ok()?, next()?.parse().ok(), next()? == "PENDING");
     Some(Queued { job, index, is_pending, script: next()?.into() })
 }

@@ -33,7 +33,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
     };
     if have != want {
         return Some(format!(
-            "{have} in place of {want}: {} of {link:?}, ended {end}",
+            "{have} instead of {want}: {} of {link:?}, ended {end}",
             judgement.expectations.len()
         ));
     }

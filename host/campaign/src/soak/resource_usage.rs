@@ -48,7 +48,7 @@ impl Growth {
         };
     }
 
-    /// Maximum less the first reading.
+    /// Maximum minus the first reading.
     #[must_use]
     pub fn so_far(&self) -> Usage {
         let first = self.first.unwrap_or(self.most);

@@ -104,7 +104,7 @@ impl Baseline {
         for (name, entry) in baseline.cases.iter().flat_map(|case| &case.metrics) {
             let line = || 1 + text.lines().position(|line| line.contains(name.as_str())).unwrap_or(0);
             if unit_of(name).is_none() {
-                return Err(malformed(line(), format!("{name} is no metric")));
+                return Err(malformed(line(), format!("{name} isn't a metric")));
             }
             if !(entry.value.is_finite() && entry.tolerance >= 0.0 && entry.tolerance.is_finite()) {
                 let problem = format!("{name}: value and tolerance must be finite, and the tolerance >= 0");
@@ -261,7 +261,7 @@ mod tests {
             ("[[case]]\n[case.metrics]\nsettle_time_s = 5\n", "toml:3: "),
             (
                 "[[case]]\n[case.metrics]\nsettling = { value = 5, tolerance = 1 }\n",
-                "toml:3: settling is no metric",
+                "toml:3: settling isn't a metric",
             ),
             ("[[case]]\n[case.metrics]\nsettle_time_s = { value = 5, tolerance = -1 }\n", "tolerance >= 0"),
         ] {

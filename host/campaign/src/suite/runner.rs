@@ -58,7 +58,7 @@ impl Runner<'_> {
         let has_passed = |result: &CaseResult| case.judged(result.clone()).status == Status::Pass;
         let is_kept = result.as_ref().is_some_and(|result| self.keeps_passes || !has_passed(result));
         if let Some(folder) = &folder {
-            // The last run of several at once is none that a user looks for.
+            // Users don't look for the last run of several at once.
             let _ = fs::remove_file(folder.with_file_name(LATEST));
             // A drive that was never reached leaves an empty folder.
             let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
@@ -70,7 +70,7 @@ impl Runner<'_> {
         Ok(result.map(|result| CaseResult { scenario_sha256: Some(sha256.clone()), record, ..result }))
     }
 
-    /// The writer of a case's record, in place of the record of an interrupted run.
+    /// The writer of a case's record, instead of the record of an interrupted run.
     fn open_record(&self, path: &Path, case: &Case) -> Result<RecordWriter, WriteError> {
         remove(path)?;
         let folder = RecordFolder::claim(path, true).map_err(|error| match error {

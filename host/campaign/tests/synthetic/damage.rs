@@ -110,7 +110,7 @@ fn shard_that_ended_before_its_header_begins_again() {
     }
 }
 
-/// The row has its case, but a hole in place of its end.
+/// The row has its case, but a hole instead of its end.
 #[test]
 fn damaged_end_of_a_row_is_no_row() {
     let (campaign, folder) = (campaign(), tempdir().expect("a folder"));

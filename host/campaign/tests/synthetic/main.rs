@@ -1,4 +1,4 @@
-//! Plans, shards and merges, with synthetic results in place of runs: numbers that are a function of the case.
+//! Plans, shards and merges, with synthetic results instead of runs: numbers that are a function of the case.
 
 mod damage;
 mod files;

@@ -100,7 +100,7 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                     assert_eq!(shown, values.as_slice(), "{name}");
                 }
                 FieldValue::Name(value) => {
-                    let FieldType::Enum(names) = layout.ty else { panic!("{name} is no list of names") };
+                    let FieldType::Enum(names) = layout.ty else { panic!("{name} isn't a list of names") };
                     let byte = names.values.iter().find(|(_, name)| *name == value).unwrap().0;
                     assert_eq!(shown(name), byte.to_string(), "{name}");
                 }
@@ -110,7 +110,7 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                 }
                 FieldValue::Status(state, flags) => {
                     let FieldType::Status { states, flags: names } = layout.ty else {
-                        panic!("{name} is no status")
+                        panic!("{name} isn't a status")
                     };
                     let value = states.values.iter().find(|(_, name)| *name == state).unwrap().0;
                     let below = &layer[format!("lashloop.{name}_tree")];

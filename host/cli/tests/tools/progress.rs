@@ -1,4 +1,4 @@
-//! What a run prints while it goes on, and in which colour.
+//! What a run prints while it lasts, and in which colour.
 
 use std::process::Command;
 

@@ -307,7 +307,7 @@ fn late_samples(client: &mut Client) -> RuleResult {
             let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
             let wanted = (late, 0.0, State::Faulted, TorqueFlags::empty());
             equal("sequence, torque in N m, state and flags", wanted, got)?;
-            // A report just before the sample arrives is no answer to it.
+            // A report just before the sample arrives doesn't answer it.
             if names(&answers)[0] == "TorqueAnswer" {
                 break;
             }

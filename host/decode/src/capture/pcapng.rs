@@ -33,7 +33,7 @@ pub(super) const PACKET_FLAGS: u16 = 2;
 pub(super) const INBOUND: u32 = 1;
 pub(super) const OUTBOUND: u32 = 2;
 
-/// The begin of a file: one section and one interface, the line to the drive.
+/// The start of a file: one section and one interface, the line to the drive.
 #[must_use]
 pub fn file_header() -> Vec<u8> {
     let mut out = Vec::new();

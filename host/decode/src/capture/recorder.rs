@@ -43,7 +43,7 @@ pub struct Recorder {
     ring: Option<Producer<u8>>,
     /// The latest packet as a block of the file.
     block: Vec<u8>,
-    /// The begin of the capture: in nanoseconds since the start of 1970, and on the monotonic clock.
+    /// The start of the capture: in nanoseconds since the start of 1970, and on the monotonic clock.
     began: (u64, Instant),
     when_full: WhenFull,
     shared: Arc<Shared>,

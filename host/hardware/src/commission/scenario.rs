@@ -46,7 +46,7 @@ pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
     let given = parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value);
     let given_rad = match given {
         Some(ParameterValue::Number(limit_rad)) => *limit_rad,
-        // It bounds the first motions, in which nothing is known but that the load hardly moves.
+        // It bounds the first motions, in which nothing is known but that the load barely moves.
         _ => pin_default(TWIST_LIMIT_RAD),
     };
     parameters.retain(|it| it.name != TWIST_LIMIT_RAD);

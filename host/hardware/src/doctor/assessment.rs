@@ -47,7 +47,7 @@ pub(super) fn dtr(line: LineUnderTest<'_>) -> Finding {
     )
 }
 
-/// `None` stands for a line that is no serial port.
+/// `None` stands for a line that isn't a serial port.
 pub(super) fn latency_timer(line: LineUnderTest<'_>, timer: Option<&LatencyTimer>) -> Finding {
     let about = "latency timer";
     match timer {

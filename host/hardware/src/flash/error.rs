@@ -1,4 +1,4 @@
-//! Why a drive isn't flashed, and how to go on.
+//! Why a drive isn't flashed, and how to continue.
 
 use std::path::PathBuf;
 
@@ -52,7 +52,7 @@ pub enum FlashError {
         board: String,
         is_drive: bool,
     },
-    /// The device is no board. Nothing was written.
+    /// The device isn't a board. Nothing was written.
     #[error(
         "nothing is written: {0} is a simulator, which no loader reaches; name a terminal, tcp:HOST:PORT or rfc2217:HOST:PORT"
     )]

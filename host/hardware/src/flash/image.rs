@@ -37,7 +37,7 @@ pub struct ImageError {
 pub enum ImageProblem {
     #[error("can't be read: {0}")]
     Read(#[from] io::Error),
-    #[error("is no ELF of a Cortex-M ({0}); name the file that `cargo xtask image` builds")]
+    #[error("isn't an ELF file for a Cortex-M ({0}); name the file that `cargo xtask image` builds")]
     NotAnElf(String),
     #[error("has nothing to load into the flash; name the file that `cargo xtask image` builds")]
     Empty,
@@ -76,7 +76,7 @@ impl Image {
     /// Reads an ELF.
     ///
     /// # Errors
-    /// The file can't be read, or is no image for this chip.
+    /// The file can't be read, or isn't an image for this chip.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let failed = |problem| ImageError { path: path.to_owned(), problem };
         let elf = fs::read(path).map_err(|source| failed(source.into()))?;

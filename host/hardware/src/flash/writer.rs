@@ -30,7 +30,7 @@ pub fn find(only: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<W
 /// Writes an image, compares it with the flash, and starts it.
 ///
 /// # Errors
-/// The program of the way fails or is interrupted, or the flash differs; the error has how to go on.
+/// The program of the way fails or is interrupted, or the flash differs; the error has how to continue.
 pub fn write(way: Way, image: &Image, target: &Target, runner: &Runner<'_>) -> Result<(), FlashError> {
     let folder =
         tempfile::tempdir().map_err(|source| FlashError::File { path: std::env::temp_dir(), source })?;

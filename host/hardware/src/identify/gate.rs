@@ -69,7 +69,7 @@ pub fn intervals(path: &Path) -> io::Result<Intervals> {
     let Estimates { quantities, instruments } =
         serde_json::from_slice(&fs::read(path)?).map_err(|error| {
             io::Error::other(format!(
-                "it is no estimates.json of `lashloop commission` or `lashloop identify`: {error}"
+                "it isn't an estimates.json of `lashloop commission` or `lashloop identify`: {error}"
             ))
         })?;
     let interval = |Quantity { name: key, estimate }| {
@@ -134,7 +134,7 @@ pub fn check(
             let distance_rad = (positions[at] - model_rad[at]).abs();
             let limit_rad = model.squares[step][at].sqrt();
             let excess = distance_rad / limit_rad;
-            // A position that is no number is no position of the model either.
+            // NaN is never inside the limit.
             let is_inside = excess <= 1.0;
             if !is_inside && worst.is_none_or(|it| excess > it.distance_rad / it.limit_rad) {
                 worst = Some(Departure { encoder, time_s: step as f64 * period_s, distance_rad, limit_rad });

@@ -127,6 +127,6 @@ fn limit_of_the_travel_ends_the_run_and_names_the_motion() {
     let error = commissioned(&Limits { load_travel_rad: 0.002, ..LIMITS }, &[]).expect_err("a limit");
     let CommissioningError::Exceeded { motion, exceeded } = error else { panic!("{error}") };
     assert_eq!((motion.as_str(), exceeded.quantity), ("breakaway-forward", "load travel"));
-    // The guard has a step two periods later, in which the load hardly moves.
+    // The guard has a step two periods later, in which the load barely moves.
     assert!(exceeded.value < 0.006, "{exceeded}");
 }

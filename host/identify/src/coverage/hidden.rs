@@ -75,7 +75,7 @@ impl HiddenPlant {
         Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0 }
     }
 
-    /// The same plant with encoders whose edges jitter uniformly by up to this either way.
+    /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
     #[must_use]
     pub fn with_noise(self, noise_counts: f64) -> Self {
         Self { noise_counts, ..self }

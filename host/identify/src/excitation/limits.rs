@@ -8,7 +8,7 @@ use crate::series::Instruments;
 /// Largest torque, speeds and travel of a commissioning.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Limits {
-    /// Largest torque, either way.
+    /// Largest torque, in either direction.
     pub torque_nm: f64,
     /// Largest speed of the motor.
     pub motor_speed_rad_s: f64,
@@ -49,7 +49,7 @@ pub enum Halt {
     NotAtRest,
 }
 
-/// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
+/// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
 pub(super) const REST_S: f64 = 0.05;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.

@@ -73,7 +73,7 @@ fn truth_is_within_the_interval_on_nine_of_ten_hidden_plants() {
     assert!(coverage.follows(), "{coverage}");
 }
 
-/// Edges that jitter by up to 2 counts either way: a standard deviation of 1.2 counts, four times that of a count.
+/// Edges that jitter by up to 2 counts in either direction: a standard deviation of 1.2 counts, four times that of a count.
 #[test]
 fn truth_is_within_the_interval_with_noise_of_the_encoders() {
     let coverage = coverage(seeds(NOISY_SEEDS), 2.0);

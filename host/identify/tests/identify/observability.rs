@@ -1,4 +1,4 @@
-//! What a motion doesn't excite is no number.
+//! A quantity that a motion doesn't excite has no value.
 
 use lashloop_identify::excitation::{DriveTrain as _, Guard, PlannedMotion};
 use lashloop_identify::{Direction, IdentifyError, Instruments, Series, Start, directions, identify};

@@ -257,7 +257,7 @@ impl Rfc2217 {
     }
 
     /// Notes what the server does or wants, and gives the reply, if one is due. An answer to our own offer or request gets
-    /// none, so two ends never answer each other for ever (RFC 1143).
+    /// none, so two ends never answer each other endlessly (RFC 1143).
     fn negotiated(&mut self, verb: Verb, option: u8) -> Option<Verb> {
         let (yes, no) = match verb {
             Verb::Do | Verb::Dont => (Verb::Will, Verb::Wont),

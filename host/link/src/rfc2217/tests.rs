@@ -150,7 +150,7 @@ fn a_server_without_the_option_is_named() {
     let (raw, _) = opened(9600, |_| Vec::new());
     assert!(matches!(raw, Err(NegotiationError::NotTelnet)));
     let (echo, _) = opened(9600, |bytes| bytes.iter().filter(|byte| **byte < 128).copied().collect());
-    assert!(matches!(echo, Err(NegotiationError::NotTelnet)), "data alone is no telnet");
+    assert!(matches!(echo, Err(NegotiationError::NotTelnet)), "data alone isn't telnet");
     let (refusing, _) = opened(9600, |bytes| {
         let offers = bytes.chunks(3).filter(|command| command.starts_with(&[255, 251]));
         offers.flat_map(|command| [255, 254, command[2]]).collect()

@@ -1,4 +1,4 @@
-// The page of a run that goes on: messages of the feed to charts, table and verdict. All texts are set as text, never as HTML.
+// The page of a run that hasn't ended: messages of the feed to charts, table and verdict. All texts are set as text, never as HTML.
 "use strict";
 
 (() => {
@@ -84,7 +84,7 @@
     });
     run = { text, group, charts, histories: text.histories.map((buckets) => samples(text.columns, buckets)), places: [] };
     facts([["scenario", text.scenario], ["drive", text.device], ["law", text.controller], ["clock", text.clock]]);
-    badge("LIVE", "none", "The run goes on.");
+    badge("LIVE", "none", "The run continues.");
     at("stop").disabled = false;
   }
 

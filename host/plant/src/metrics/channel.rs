@@ -14,7 +14,7 @@ pub(super) enum Channel {
     Fixed(usize),
     Plant(usize),
     Drive(usize),
-    /// A signal of the drive less the plant's truth of the same sample.
+    /// A signal of the drive minus the plant's truth of the same sample.
     EstimateError {
         drive: usize,
         plant: usize,

@@ -1,4 +1,4 @@
-//! The metrics: each with its name, its unit, its definition and its meter.
+//! The metrics: each with its name, its unit, its definition, its trend and its meter.
 
 use std::fmt;
 
@@ -16,6 +16,7 @@ use super::signal_table::{DRIVE_PREFIX, SignalTable};
 use super::statistic::{Statistic, StatisticMeter};
 use super::tail::{Figure, Tail};
 use super::torque::{Effort, TotalVariation};
+use super::trend::Trend;
 use super::velocity_error::SteadyVelocityError;
 use crate::Signal;
 
@@ -31,9 +32,10 @@ const DEAD_ZONE_DEVIATION: &str = "drive.dead_zone_deviation_rad";
 /// The drive's estimate of the disturbing torque w = C - K z, and its truth.
 const DISTURBING_TORQUE: (&str, &str) = ("drive.disturbing_torque_estimate_nm", "disturbing_torque_nm");
 
-/// Each metric once: its definition, its name in scenarios and summaries, its unit, and its meter.
+/// Each metric once: its definition, its name in scenarios and summaries, its unit, how its value can change before the end of
+/// a run, and its meter.
 macro_rules! metrics {
-    ($( $(#[doc = $doc:literal])+ $metric:ident = $name:literal in $unit:literal by $new:expr; )+) => {
+    ($( $(#[doc = $doc:literal])+ $metric:ident = $name:literal in $unit:literal trend $trend:ident by $new:expr; )+) => {
         /// A quantity by which a run is judged, with the error e = load position - reference.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
         pub enum Metric { $( $(#[doc = $doc])+ #[serde(rename = $name)] $metric, )+ }
@@ -66,6 +68,12 @@ macro_rules! metrics {
                 match self { $(Self::$metric => concat!($($doc),+).trim_ascii_start(),)+ }
             }
 
+            /// How its value can change while the run continues.
+            #[must_use]
+            pub const fn trend(self) -> Trend {
+                match self { $(Self::$metric => Trend::$trend,)+ }
+            }
+
             pub(super) fn meter(self, setup: &Setup<'_>) -> NewMeter {
                 match self { $(Self::$metric => { let new: fn(&Setup<'_>) -> NewMeter = $new; new(setup) })+ }
             }
@@ -75,71 +83,71 @@ macro_rules! metrics {
 
 metrics! {
     /// First sample time after the last sample with abs(e) > 0.05 rad.
-    SettleTime = "settle_time_s" in "s" by |_| error_settles(Band::Absolute(SETTLED_RAD));
+    SettleTime = "settle_time_s" in "s" trend Settling by |_| error_settles(Band::Absolute(SETTLED_RAD));
     /// The same with a band of 5 % of the first abs(e).
-    SettleTime5Pct = "settle_time_5pct_s" in "s" by |_| error_settles(Band::OfFirst(0.05));
+    SettleTime5Pct = "settle_time_5pct_s" in "s" trend Settling by |_| error_settles(Band::OfFirst(0.05));
     /// The same with a band of 2 % of the first abs(e).
-    SettleTime2Pct = "settle_time_2pct_s" in "s" by |_| error_settles(Band::OfFirst(0.02));
+    SettleTime2Pct = "settle_time_2pct_s" in "s" trend Settling by |_| error_settles(Band::OfFirst(0.02));
     /// The same with a band of 1 % of the first abs(e).
-    SettleTime1Pct = "settle_time_1pct_s" in "s" by |_| error_settles(Band::OfFirst(0.01));
+    SettleTime1Pct = "settle_time_1pct_s" in "s" trend Settling by |_| error_settles(Band::OfFirst(0.01));
     /// Time from the last change of the reference to the first sample after the last one with abs(e) > 2 % of the
     /// reference's last move; the move is peak to peak.
-    SettleAfterMove = "settle_after_move_s" in "s" by |_| boxed(SettlingAfterMove::default());
+    SettleAfterMove = "settle_after_move_s" in "s" trend Any by |_| boxed(SettlingAfterMove::default());
     /// Time from the load's first sample at 10 % of its way to its first at 90 %; the way leads from the load's first
     /// position to the reference's last value.
-    RiseTime = "rise_time_s" in "s" by |setup| boxed(RiseTime::new(setup.final_rad));
+    RiseTime = "rise_time_s" in "s" trend Fixed by |setup| boxed(RiseTime::new(setup.final_rad));
     /// Mean of e over the last second.
-    StaticError = "static_error_rad" in "rad" by |setup| tail(setup, Channel::Error, Figure::Mean, 1.0);
+    StaticError = "static_error_rad" in "rad" trend Any by |setup| tail(setup, Channel::Error, Figure::Mean, 1.0);
     /// Peak to peak of e over the last 10 s.
-    Hunting = "hunting_rad" in "rad" by |setup| tail(setup, Channel::Error, Figure::PeakToPeak, 10.0);
+    Hunting = "hunting_rad" in "rad" trend Any by |setup| tail(setup, Channel::Error, Figure::PeakToPeak, 10.0);
     /// Largest abs(e) on the far side of the reference, seen from the first e; 0 if none.
-    Overshoot = "overshoot_rad" in "rad" by |_| boxed(Overshoot::default());
+    Overshoot = "overshoot_rad" in "rad" trend Rising by |_| boxed(Overshoot::default());
     /// Root of the mean of e^2.
-    RmsTrackingError = "rms_tracking_error_rad" in "rad" by |_| statistic(Channel::Error, Statistic::Rms);
+    RmsTrackingError = "rms_tracking_error_rad" in "rad" trend Any by |_| statistic(Channel::Error, Statistic::Rms);
     /// Largest abs(e).
-    PeakTrackingError = "peak_tracking_error_rad" in "rad" by |_| statistic(Channel::Error, Statistic::Peak);
+    PeakTrackingError = "peak_tracking_error_rad" in "rad" trend Rising by |_| statistic(Channel::Error, Statistic::Peak);
     /// Mean lag over the last 0.2 s of the reference's last stretch of constant velocity; the lag is -e in the direction
     /// of motion.
-    SteadyVelocityError = "steady_velocity_error_rad" in "rad" by |setup| {
+    SteadyVelocityError = "steady_velocity_error_rad" in "rad" trend Any by |setup| {
         boxed(SteadyVelocityError::new(setup.period_s, setup.samples(0.2)))
     };
     /// Distance between the load's positions at the reference's last upward and last downward passage through its middle.
-    LostMotion = "lost_motion_rad" in "rad" by |setup| boxed(Reversal::new(setup.middle_rad));
+    LostMotion = "lost_motion_rad" in "rad" trend Any by |setup| boxed(Reversal::new(setup.middle_rad));
     /// Integral of the squared torque, which is held over each period.
-    Effort = "effort_nm2s" in "N^2 m^2 s" by |setup| boxed(Effort::new(setup.period_s));
+    Effort = "effort_nm2s" in "N^2 m^2 s" trend Rising by |setup| boxed(Effort::new(setup.period_s));
     /// Sum of abs(U_k - U_(k-1)) of the torque U.
-    TorqueTotalVariation = "torque_total_variation_nm" in "N m" by |_| boxed(TotalVariation::default());
+    TorqueTotalVariation = "torque_total_variation_nm" in "N m" trend Rising by |_| boxed(TotalVariation::default());
     /// Root of the mean of the squared torque.
-    RmsTorque = "rms_torque_nm" in "N m" by |_| statistic(Channel::Torque, Statistic::Rms);
+    RmsTorque = "rms_torque_nm" in "N m" trend Any by |_| statistic(Channel::Torque, Statistic::Rms);
     /// Largest amount of the torque.
-    PeakTorque = "peak_torque_nm" in "N m" by |_| statistic(Channel::Torque, Statistic::Peak);
+    PeakTorque = "peak_torque_nm" in "N m" trend Rising by |_| statistic(Channel::Torque, Statistic::Peak);
     /// The drive's last estimate of j0, half the gap.
-    DeadZoneEstimate = "dead_zone_estimate_rad" in "rad" by |setup| {
+    DeadZoneEstimate = "dead_zone_estimate_rad" in "rad" trend Any by |setup| {
         dead_zone(setup)?;
         statistic(setup.needed(DEAD_ZONE.0)?, Statistic::Final)
     };
-    /// The last estimate of j0 less the true j0 of its sample.
-    DeadZoneError = "dead_zone_error_rad" in "rad" by |setup| statistic(dead_zone(setup)?, Statistic::Final);
+    /// The last estimate of j0 minus the true j0 of its sample.
+    DeadZoneError = "dead_zone_error_rad" in "rad" trend Any by |setup| statistic(dead_zone(setup)?, Statistic::Final);
     /// The drive's last standard deviation of its estimate of j0.
-    DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" by |setup| {
+    DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" trend Any by |setup| {
         statistic(setup.needed(DEAD_ZONE_DEVIATION)?, Statistic::Final)
     };
     /// Time of the first estimate after the last one more than 0.02 rad from the true j0.
-    DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" by |setup| {
+    DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" trend Settling by |setup| {
         boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
     };
-    /// Mean of estimate less true j0 over the last 5 s.
-    DeadZoneBias = "dead_zone_bias_rad" in "rad" by |setup| tail(setup, dead_zone(setup)?, Figure::Mean, 5.0);
+    /// Mean of estimate minus true j0 over the last 5 s.
+    DeadZoneBias = "dead_zone_bias_rad" in "rad" trend Any by |setup| tail(setup, dead_zone(setup)?, Figure::Mean, 5.0);
     /// Largest abs(estimate - j0) since the first estimate within 0.02 rad, settled or not.
-    DeadZoneLargestError = "dead_zone_largest_error_rad" in "rad" by |setup| {
+    DeadZoneLargestError = "dead_zone_largest_error_rad" in "rad" trend Rising by |setup| {
         boxed(LargestOnceInside::new(dead_zone(setup)?, ESTIMATE_SETTLED_RAD))
     };
-    /// Root of the mean square of estimate less true w, the disturbing torque w = C - K z.
-    DisturbingTorqueRmsError = "disturbing_torque_rms_error_nm" in "N m" by |setup| {
+    /// Root of the mean square of estimate minus true w, the disturbing torque w = C - K z.
+    DisturbingTorqueRmsError = "disturbing_torque_rms_error_nm" in "N m" trend Any by |setup| {
         statistic(disturbing_torque(setup)?, Statistic::Rms)
     };
-    /// Mean of estimate less true w.
-    DisturbingTorqueBias = "disturbing_torque_bias_nm" in "N m" by |setup| {
+    /// Mean of estimate minus true w.
+    DisturbingTorqueBias = "disturbing_torque_bias_nm" in "N m" trend Any by |setup| {
         statistic(disturbing_torque(setup)?, Statistic::Mean)
     };
 }

@@ -23,6 +23,7 @@
 //! | `sample`, `signal_table` | the input: one sample, and the names of its signals |
 //! | `metric` | every metric with its definition, one entry each |
 //! | `query`, `statistic` | statistics of any signal, and windows |
+//! | `trend` | how a value can change before the end of a run |
 //! | `plan` | what is known before the run, and what it can't measure |
 //! | `measurement`, `results` | from samples to values |
 //! | `meter`, `channel` | the contract of a metric's computation, and what it reads |
@@ -50,6 +51,7 @@ mod signal_table;
 mod statistic;
 mod tail;
 mod torque;
+mod trend;
 mod velocity_error;
 
 pub use self::measured::Measured;
@@ -61,3 +63,4 @@ pub use self::results::Metrics;
 pub use self::sample::Sample;
 pub use self::signal_table::{DRIVE_PREFIX, FIXED_SIGNALS, SignalTable};
 pub use self::statistic::Statistic;
+pub use self::trend::Trend;

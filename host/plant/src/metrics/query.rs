@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::metric::Metric;
 use super::statistic::Statistic;
+use super::trend::Trend;
 
 /// A quantity that a run can be judged by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +31,17 @@ pub struct Window {
     /// End, in time of the run; `None` for that of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to_s: Option<f64>,
+}
+
+impl Quantity {
+    /// How its value can change while the run continues.
+    #[must_use]
+    pub const fn trend(&self) -> Trend {
+        match self {
+            Self::Metric(metric) => metric.trend(),
+            Self::Statistic { statistic, .. } => statistic.trend(),
+        }
+    }
 }
 
 impl fmt::Display for Quantity {

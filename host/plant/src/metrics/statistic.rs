@@ -8,6 +8,7 @@ use super::channel::Channel;
 use super::measured::Measured;
 use super::meter::Meter;
 use super::sample::Sample;
+use super::trend::Trend;
 
 /// A statistic of a signal, in the signal's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub enum Statistic {
     Rms,
     /// Largest amount.
     Peak,
-    /// Largest value less smallest value.
+    /// Largest value minus smallest value.
     PeakToPeak,
     /// Standard deviation: root of the mean square of the distance from the mean.
     Std,
@@ -60,9 +61,19 @@ impl Statistic {
             Self::Mean => "sum of v / n",
             Self::Rms => "root of the sum of v^2 / n",
             Self::Peak => "largest abs(v)",
-            Self::PeakToPeak => "largest v less smallest v",
+            Self::PeakToPeak => "largest v minus smallest v",
             Self::Std => "root of the sum of (v - mean)^2 / n",
             Self::Final => "v_n",
+        }
+    }
+
+    /// How its value can change.
+    #[must_use]
+    pub const fn trend(self) -> Trend {
+        match self {
+            Self::Max | Self::Peak | Self::PeakToPeak => Trend::Rising,
+            Self::Min => Trend::Falling,
+            Self::Mean | Self::Rms | Self::Std | Self::Final => Trend::Any,
         }
     }
 }

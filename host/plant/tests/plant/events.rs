@@ -63,7 +63,7 @@ fn assert_close(what: &str, have: f64, want: f64, tolerance: f64) {
 
 #[test]
 fn motor_reaches_the_flank_at_the_end_of_its_free_flight() {
-    // theta_e = t^2 U / 2 J reaches j0 at t = sqrt(2 J j0 / U) and goes on as an oscillator around j0 + U / K.
+    // theta_e = t^2 U / 2 J reaches j0 at t = sqrt(2 J j0 / U) and continues as an oscillator around j0 + U / K.
     let torque_nm = 1.0;
     let touch_s = (2.0 * INERTIA * HALF_GAP / torque_nm).sqrt();
     let truths = run(parameters(), motor_at(0.0, 0.0), torque_nm, 30);

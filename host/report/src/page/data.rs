@@ -210,7 +210,7 @@ impl Data {
     }
 
     /// The columns of `y` over `x`, given by name and values. A thinned run keeps whole rows: the extremes of two columns
-    /// at different times are no point of the run.
+    /// at different times aren't a point of the run.
     pub(super) fn trail(
         &mut self,
         run: usize,

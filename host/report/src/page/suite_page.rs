@@ -14,7 +14,7 @@ use super::why::Tone;
 pub struct Suite {
     /// Title of the page.
     pub title: String,
-    /// The worst verdict of a case, or INCOMPLETE or NO VERDICT if the cases that ran are no evidence on the suite.
+    /// The worst verdict of a case, or INCOMPLETE or NO VERDICT if the cases that ran don't judge the suite.
     pub verdict: String,
     /// Why there is no verdict, in one sentence.
     pub reason: Option<String>,

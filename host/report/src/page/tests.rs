@@ -249,7 +249,7 @@ fn the_sentence_states_why_the_verdict_is_what_it_is() {
                 breaches: vec![Breach { what: "late".into(), counted: Some(312), allowed: 0 }],
                 ..pass()
             },
-            "late is 312, allow.late is 0: the run is no evidence on the drive.",
+            "late is 312, allow.late is 0: the run proves nothing about the drive.",
         ),
         (
             Summary {

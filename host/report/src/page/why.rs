@@ -124,14 +124,14 @@ fn departure(missed: &JudgedExpectation) -> String {
 
 fn invalid(summary: &Summary) -> String {
     let Some((Breach { what, counted, allowed }, others)) = summary.breaches.split_first() else {
-        return "Link or timing exceeded what the scenario allows, so the run is no evidence on the drive."
+        return "Link or timing exceeded what the scenario allows, so the run proves nothing about the drive."
             .to_owned();
     };
     let rest =
         if others.is_empty() { String::new() } else { format!("; {} more limits exceeded", others.len()) };
     match counted {
         Some(counted) => format!(
-            "{what} is {counted}, allow.{what} is {allowed}{rest}: the run is no evidence on the drive."
+            "{what} is {counted}, allow.{what} is {allowed}{rest}: the run proves nothing about the drive."
         ),
         None => format!("{what} has nothing to measure, allow.{what} is {allowed}{rest}."),
     }

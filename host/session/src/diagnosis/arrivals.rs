@@ -39,7 +39,7 @@ pub struct Arrivals {
     pub host_requests: u32,
     /// Name of the last of these.
     pub host_request: Option<&'static str>,
-    /// Whole frames that are no message of a drive, without those of hosts.
+    /// Whole frames that aren't messages of a drive, without those of hosts.
     pub refused: u32,
     /// The first of these, an `Identity` before any other.
     pub refusal: Option<Refusal>,

@@ -1,4 +1,4 @@
-//! What a frame is that is no message of a drive.
+//! What a frame is that isn't a message of a drive.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ const ISO_HDLC: u32 = 0xedb8_8320;
 pub(super) enum BadFrame {
     /// A good frame of a host.
     OfHost(HostMessage),
-    /// A whole frame that is no message of a drive.
+    /// A whole frame that isn't a message of a drive.
     Refused(Refusal),
     /// A checksum that another rule explains.
     Crc(CrcVariant),
@@ -29,13 +29,13 @@ pub(super) enum BadFrame {
 pub enum CrcVariant {
     /// The most significant byte is first.
     MostSignificantFirst,
-    /// CRC-32/ISO-HDLC in place of CRC-32/ISCSI.
+    /// CRC-32/ISO-HDLC instead of CRC-32/ISCSI.
     IsoHdlc,
     /// The final xor is omitted.
     WithoutFinalXor,
 }
 
-/// A whole frame that is no message of a drive, and why.
+/// A whole frame that isn't a message of a drive, and why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Refusal {
     /// Why.
@@ -129,7 +129,7 @@ impl fmt::Display for Refusal {
                 write!(out, "a message of kind {kind:#04x}, which no drive of this protocol version sends")
             }
             BodyError::Length { name, expected, found } => {
-                write!(out, "{name} with a body of {found} bytes in place of {expected}")
+                write!(out, "{name} with a body of {found} bytes instead of {expected}")
             }
             BodyError::Elements { name, longest, step, found } => {
                 write!(

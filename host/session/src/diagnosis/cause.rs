@@ -7,7 +7,7 @@ use super::bad_frame::{CrcVariant, Refusal};
 
 /// Rate of messages that no request causes from which answers wait behind them.
 const FLOOD_PER_S: f64 = 500.0;
-/// Bytes without a delimiter from which chance is no explanation: one random byte in 256 is a delimiter.
+/// Bytes without a delimiter from which chance doesn't explain it: one random byte in 256 is a delimiter.
 const ENDLESS: u64 = 2048;
 
 /// The probable cause of a missing answer.
@@ -28,7 +28,7 @@ pub enum Cause {
     },
     /// Answers arrive to requests that this bench has not sent.
     SecondHost,
-    /// A whole frame is no message of a drive.
+    /// A whole frame isn't a message of a drive.
     Refused(Refusal),
     /// `Identity` of another session.
     OtherSession {
@@ -53,7 +53,7 @@ pub enum Cause {
     EndlessFrame,
     /// The far end sends at a lower baud rate.
     LowerBaud,
-    /// Bytes that are no frames.
+    /// Bytes that aren't frames.
     NoFrames,
     /// Frames of a drive that answered before are damaged.
     Damage,
@@ -161,7 +161,7 @@ impl fmt::Display for Cause {
             Self::Crc(variant) => write!(out, "whole frames have a wrong CRC: {variant}"),
             Self::Text(line) => write!(
                 out,
-                "the far end sends text, \"{line}\": a console, a modem or a boot loader in place of a drive; take another \
+                "the far end sends text, \"{line}\": a console, a modem or a boot loader instead of a drive; take another \
                  port, or silence the console on this one"
             ),
             Self::ZeroBytes => out.write_str(

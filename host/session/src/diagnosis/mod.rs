@@ -5,7 +5,7 @@
 //! | `collector` | counts what arrives, at next to no cost for awaited frames |
 //! | `arrivals` | [`Arrivals`]: the counts since the last awaited frame |
 //! | `raw_bytes` | statistics of the bytes outside good frames |
-//! | `bad_frame` | what a frame is that is no message of a drive |
+//! | `bad_frame` | what a frame is that isn't a message of a drive |
 //! | `cause` | [`Cause`]: the probable cause |
 //! | `report` | [`Diagnosis`] and its sentences |
 

@@ -13,7 +13,7 @@ const SHOWN: usize = 8;
 /// Messages that are named.
 const NAMED: usize = 3;
 
-/// What arrived in place of an answer, and why. Its text is one line: the numbers, the probable cause, the remedy.
+/// What arrived instead of an answer, and why. Its text is one line: the numbers, the probable cause, the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnosis {
     /// What arrived since the last awaited frame.

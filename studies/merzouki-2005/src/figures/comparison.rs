@@ -143,7 +143,7 @@ pub fn comparison_table(runs: &Experiment) -> Table {
         ("friction: overshoot (rad)", ["-", "-"], friction, Metric::Overshoot, 3),
         ("friction: hunting (rad)", ["oscillates", "none"], friction, Metric::Hunting, 4),
         ("friction: torque variation (N m)", ["noisy", "cleaner"], friction, Metric::TorqueTotalVariation, 0),
-        ("estimate of the gap less the gap (rad)", ["-", "-"], smooth, Metric::DeadZoneError, 3),
+        ("estimate of the gap minus the gap (rad)", ["-", "-"], smooth, Metric::DeadZoneError, 3),
     ];
     let rows = lines.into_iter().map(|(what, paper, laws, metric, decimals)| {
         let cells = paper.into_iter().zip([&laws.before, &laws.after]).flat_map(|(paper, run)| {

@@ -91,7 +91,7 @@ fn motor_error(smooth: &Laws) -> Figure {
     let error = || column(MOTOR_ERROR_RAD);
     let telemetered_laws = &telemetered(smooth);
     let caption = "The paper: the motor's error goes to zero, sooner after.\n\
-                   Here: as sent by the drive: motor position less the set point of its load loop. The set point of the two cascades \
+                   Here: as sent by the drive: motor position minus the set point of its load loop. The set point of the two cascades \
                    is ten times the load's error, hence 20 rad at the start; the law beyond adds a twist to the load's \
                    position. After, the error is sooner near zero, with the same swings as the motor. The fringe stems from the \
                    load's velocity, which is formed from counts.";

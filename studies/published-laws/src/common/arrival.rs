@@ -5,8 +5,7 @@
 
 use core::f32::consts::TAU;
 
-use lashloop_firmware::control::Measurement;
-use lashloop_firmware::law::DriveParameters;
+use lashloop_firmware::law::{DriveParameters, Measurement};
 
 /// Fraction of torque or integral that remains on arrival.
 pub(crate) const REMAINING: f32 = 0.3;

@@ -8,8 +8,7 @@
 //! ```
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{Measurement, ParameterError};
-use lashloop_firmware::law::DriveParameters;
+use lashloop_firmware::law::{DriveParameters, Measurement, ParameterError};
 
 lashloop_firmware::parameters! {
     /// Gains of the motor loop.

@@ -7,7 +7,7 @@
 //! - One filter has the mechanics and the size; the paper has one estimator for each.
 //! - Samples come at a fixed rate; those of the paper come with each pulse of a sensor.
 //! - The mode follows the torque that the motor observes, not the estimated twist. A gap that is overestimated would
-//!   otherwise hide contact for ever.
+//!   otherwise hide contact forever.
 //! - The stiffness and a disturbing torque of the load are states, because plants differ by 30 % and have dry friction.
 //!
 //! ```text
@@ -17,10 +17,9 @@
 
 use core::f32::consts::TAU;
 
-use lashloop_firmware::control::Measurement;
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::law::DriveParameters;
+use lashloop_firmware::law::{DriveParameters, Measurement};
 use nalgebra::{SMatrix, SVector};
 
 /// Pole of the observed torque, and torque from which the flanks touch.

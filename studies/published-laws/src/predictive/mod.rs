@@ -25,8 +25,7 @@ mod horizon;
 mod model;
 
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_firmware::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError};
 
 use crate::common::arrival::{Arrival, ArrivalBand, Phase, REMAINING};
 use crate::common::two_mode_filter::{FilterNoise, TwoModeFilter};

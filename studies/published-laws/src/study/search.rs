@@ -17,7 +17,7 @@ use super::laws::Law;
 /// Evaluations of the cost for each law.
 pub const EVALUATIONS: u32 = 300;
 const SEED: u64 = 1;
-/// Width of a variation as a fraction of a range, at the begin and at the end.
+/// Width of a variation as a fraction of a range, at the start and at the end.
 const WIDTHS: [f64; 2] = [0.3, 0.02];
 /// Fraction of the parameters that a variation changes.
 const VARIED: f64 = 0.5;
@@ -32,7 +32,7 @@ pub struct Point {
 /// The best point; `report` receives each improvement with the number of its evaluation.
 ///
 /// # Errors
-/// A run can't be carried out with the first point. Any later point that the law rejects is no candidate.
+/// A run can't be carried out with the first point. Any later point that the law rejects isn't a candidate.
 pub fn best(law: &Law, report: impl FnMut(u32, &Point)) -> Result<Point> {
     let evaluate = |place: &[f64], bound_s: f64| {
         let values: Vec<_> =

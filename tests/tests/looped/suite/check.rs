@@ -18,7 +18,7 @@ fn a_check_reports_every_error_at_its_line_and_column() {
     let starts = [
         "a.toml:3:1: run.duration_s: -1 is out of range",
         "a.toml:12:1: [sweep] encoders.noise_counts=-4: encoders.noise_counts: -4 is out of range",
-        "b.baseline.toml:3:1: speed is no metric",
+        "b.baseline.toml:3:1: speed isn't a metric",
     ];
     assert_eq!(places.len(), starts.len(), "{}", ended.stdout);
     for (place, start) in places.iter().zip(starts) {
@@ -99,7 +99,7 @@ fn the_hook_checks_the_files_that_a_scenario_needs() {
     // A baseline alone, and the removal of a file that a scenario names.
     repository.stage("a.baseline.toml", "[[case]]\n[case.metrics]\nspeed = { value = 1, tolerance = 1 }\n");
     let rejection = repository.rejection().expect("a wrong baseline");
-    assert!(rejection.starts_with("scenarios/a.baseline.toml:3:1: speed is no metric"), "{rejection}");
+    assert!(rejection.starts_with("scenarios/a.baseline.toml:3:1: speed isn't a metric"), "{rejection}");
     assert!(repository.git(&["rm", "--quiet", "--force", "scenarios/a.baseline.toml"]).status.success());
     assert!(repository.git(&["rm", "--quiet", "--cached", "scenarios/reference.csv"]).status.success());
     let rejection = repository.rejection().expect("a reference without its table");

@@ -124,7 +124,7 @@ impl Value {
         }
     }
 
-    /// The value that a mutant puts in place of this one. An operator leaves a value of another type alone.
+    /// The value that a mutant uses instead of this one. An operator leaves a value of another type alone.
     pub fn mutated(&self, operator: Operator, previous: Option<&Self>) -> Self {
         use Operator::*;
         match (self.clone(), operator) {

@@ -50,7 +50,7 @@ struct Drive {
     polled_us: f64,
     /// A mistaken drive leaves the watchdog on after a `Reset`.
     watches_in_boot: bool,
-    /// The law of the first `Arm`, by which a mistaken drive goes for ever.
+    /// The law of the first `Arm`, by which a mistaken drive goes forever.
     first_law: Option<u32>,
     counts: LineReport,
     /// The torque of the last step, which a mistaken drive keeps.

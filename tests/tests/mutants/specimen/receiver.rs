@@ -54,7 +54,7 @@ impl Receiver {
         }
         let bytes = std::mem::take(&mut self.bytes);
         let has_overflowed = std::mem::take(&mut self.has_overflowed);
-        if at.flag("receiver", "no byte before a delimiter is no frame", bytes.is_empty()) {
+        if at.flag("receiver", "a delimiter without a byte before it isn't a frame", bytes.is_empty()) {
             return None;
         }
         if at.flag("receiver", "too long is damaged", has_overflowed) {

@@ -106,7 +106,7 @@ impl Run {
         Self { settings, last: None, answer: None, steps: 0, encoders: Default::default(), integral_nm: 0.0 }
     }
 
-    /// A `Start`. A mistaken drive goes on where the run before ended.
+    /// A `Start`. A mistaken drive continues where the run before ended.
     pub fn restarted(&self, at: &Sites) -> Self {
         let mut run = Self::new(self.settings);
         if self.last.is_none() {

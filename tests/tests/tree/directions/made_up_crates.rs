@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use super::file_graph::FileGraph;
 use super::source_tree::SourceTree;
+use super::use_graph::UseGraph;
 
-/// The cycles of a crate, given as file names and texts.
+/// The cycles among the files of a crate, given as file names and texts.
 fn cycles(files: &[(&str, &str)]) -> Vec<String> {
+    cycles_of(UseGraph::of_files, files)
+}
+
+fn cycles_of(graph: fn(&SourceTree) -> UseGraph, files: &[(&str, &str)]) -> Vec<String> {
     let read = |path: &Path| {
         files.iter().find(|(name, _)| Path::new(name) == path).map(|(_, text)| (*text).to_owned())
     };
     let tree = SourceTree::load(Path::new("lib.rs"), &read).expect("a crate");
-    let graph = FileGraph::of(&tree);
+    let graph = graph(&tree);
     graph.cycles().iter().map(|cycle| graph.describe(cycle)).collect()
 }
 
@@ -79,4 +83,31 @@ fn paths_in_macros_and_attributes_count() {
         ("b.rs", "pub fn text() {} #[derive(X)] struct S { #[arg(value_parser = crate::a::call)] x: u8 }"),
     ]);
     assert_eq!(found, ["  a.rs -> b.rs: text\n  b.rs -> a.rs: call\n"]);
+}
+
+#[test]
+fn modules_that_use_each_other_through_other_files_are_a_cycle() {
+    let files = [
+        ("lib.rs", "mod a; mod b;"),
+        ("a/mod.rs", "mod one; mod other;"),
+        ("a/one.rs", "use crate::b::B; pub struct One(B); pub struct Two;"),
+        ("a/other.rs", "use super::one::Two; pub struct Other(Two);"),
+        ("b.rs", "mod user; pub struct B;"),
+        ("b/user.rs", "use crate::a::other::Other;"),
+    ];
+    assert!(cycles(&files).is_empty());
+    assert_eq!(cycles_of(UseGraph::of_modules, &files), ["  a -> b: B\n  b -> a: Other\n"]);
+}
+
+#[test]
+fn a_module_and_those_below_it_are_one() {
+    let found = cycles_of(
+        UseGraph::of_modules,
+        &[
+            ("lib.rs", "mod a; pub struct Root(a::P);"),
+            ("a/mod.rs", "mod child; pub struct P; fn f() { child::g() }"),
+            ("a/child.rs", "pub fn g() { let _ = (super::P, crate::Root); }"),
+        ],
+    );
+    assert!(found.is_empty(), "{found:?}");
 }

@@ -1,7 +1,6 @@
-//! Name resolution: from a path in a module to the file that defines the item.
+//! Name resolution: from a path in a module to the module that defines the item.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 
 use syn::Item;
 
@@ -18,7 +17,7 @@ enum Target {
 /// An item and the module that defines it.
 #[derive(Clone)]
 pub(crate) struct Definition {
-    module: ModuleId,
+    pub(crate) module: ModuleId,
     pub(crate) name: String,
 }
 
@@ -76,10 +75,6 @@ impl<'a> Scopes<'a> {
         let mut ancestors = std::iter::successors(Some(module), |module| self.tree.modules[*module].parent);
         let definer = ancestors.find(|module| self.scopes[*module].macros.contains(name));
         definer.map(|module| Definition { module, name: name.clone() }).or_else(|| self.item(module, path))
-    }
-
-    pub(crate) fn file_of(&self, definition: &Definition) -> &'a PathBuf {
-        &self.tree.modules[definition.module].file
     }
 
     fn resolve(

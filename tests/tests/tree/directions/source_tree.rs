@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use syn::Item;
+use syn::{Attribute, Expr, ExprLit, Item, Lit, Meta, MetaNameValue};
 
 use crate::production;
 
@@ -39,6 +39,27 @@ impl SourceTree {
 
     pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
         self.modules.iter().map(|module| module.file.clone())
+    }
+
+    /// The path of a module without its extension: where the files of the modules below it are.
+    pub(crate) fn folder(&self, id: ModuleId) -> PathBuf {
+        let file = &self.modules[id].file;
+        match file.parent() {
+            Some(folder) if file.ends_with("mod.rs") => folder.to_owned(),
+            _ => file.with_extension(""),
+        }
+    }
+
+    /// The two modules of one parent that lead to these two; `None` if one of them is above the other.
+    pub(crate) fn siblings(&self, one: ModuleId, other: ModuleId) -> Option<(ModuleId, ModuleId)> {
+        let (one, other) = (self.from_root(one), self.from_root(other));
+        one.into_iter().zip(other).find(|(one, other)| one != other)
+    }
+
+    fn from_root(&self, id: ModuleId) -> Vec<ModuleId> {
+        let mut path: Vec<_> = std::iter::successors(Some(id), |id| self.modules[*id].parent).collect();
+        path.reverse();
+        path
     }
 
     /// Reads the tree below `root`. `read` returns a file's text, or `None` if the file doesn't exist.
@@ -75,7 +96,10 @@ impl SourceTree {
             let child = match module.content {
                 Some((_, items)) => self.add(Some(id), file.clone(), &folder, items, read)?,
                 None => {
-                    let places = [folder.with_extension("rs"), folder.join("mod.rs")];
+                    let places = match path_attribute(&module.attrs) {
+                        Some(path) => vec![file.with_file_name(path)],
+                        None => vec![folder.with_extension("rs"), folder.join("mod.rs")],
+                    };
                     let found = places.into_iter().find_map(|place| read(&place).map(|text| (place, text)));
                     let (place, text) =
                         found.with_context(|| format!("{}: no file of module {name}", file.display()))?;
@@ -87,6 +111,18 @@ impl SourceTree {
         }
         Ok(id)
     }
+}
+
+/// The file that `#[path = "..."]` names, relative to the file of the declaration.
+fn path_attribute(attributes: &[Attribute]) -> Option<String> {
+    attributes.iter().find_map(|attribute| match &attribute.meta {
+        Meta::NameValue(MetaNameValue {
+            path,
+            value: Expr::Lit(ExprLit { lit: Lit::Str(name), .. }),
+            ..
+        }) if path.is_ident("path") => Some(name.value()),
+        _ => None,
+    })
 }
 
 fn parse(path: &Path, text: &str) -> Result<Vec<Item>> {

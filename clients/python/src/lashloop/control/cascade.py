@@ -83,7 +83,7 @@ class CascadedPd:
         velocity, acceleration = m.reference_velocity_rad_s, m.reference_acceleration_rad_s2
         load_error = m.load_position_rad - m.reference_position_rad
         load_error_rate = m.load_velocity_rad_s - velocity
-        # (11): the elastic torque less the torque that moves the load.
+        # (11): the elastic torque minus the torque that moves the load.
         elastic_reference = self._load_inertia * acceleration + self._load_friction * velocity
         elastic_error = self._stiffness_nm_rad * m.twist_rad - elastic_reference
         # (17), relative to the motor position of the reference.

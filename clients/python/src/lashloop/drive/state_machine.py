@@ -265,7 +265,7 @@ class Drive:
         if foreign is None:
             return Outcome.ACCEPTED
         law = self._description.laws[self._law_index]
-        self._send(log(LogLevel.ERROR, f"{foreign} is no signal of {law.name}"))
+        self._send(log(LogLevel.ERROR, f"{foreign} isn't a signal of {law.name}"))
         return Outcome.INCONSISTENT
 
     @property

@@ -68,7 +68,7 @@ impl DeviceKind for TerminalDrive {
 /// timer of a USB adapter is shortened whenever the port is opened: after a reconnect it has its default again.
 ///
 /// # Errors
-/// `path` is missing, is no terminal, or another program holds it.
+/// `path` is missing, isn't a terminal, or another program holds it.
 pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
     let name = path.to_owned();
     let mut adapter = None;

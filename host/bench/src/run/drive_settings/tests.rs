@@ -1,8 +1,9 @@
 //! Scenarios against the description of a drive: Lashloop's own, and one with laws of its own.
 
 use lashloop_firmware::Laws;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters, LawSet};
+use lashloop_firmware::law::{
+    ControlLaw, ControlOutput, DriveParameters, LawSet, Measurement, ParameterError,
+};
 use lashloop_link::in_process::InProcess;
 
 use super::*;

@@ -2,8 +2,8 @@
 //!
 //! The loop has a thread of its own. It wakes at absolute times, the start of the run plus whole periods, so lateness does
 //! not accumulate. A torque after the end of its step is late: the last one is held, and nothing is retransmitted or made
-//! up for. If the bench oversleeps whole steps, the plant goes on under the held torque, the steps count as missed, and
-//! the loop goes on at the present step: never a burst.
+//! up for. If the bench oversleeps whole steps, the plant continues under the held torque, the steps count as missed, and
+//! the loop continues at the present step: never a burst.
 //!
 //! The thread neither allocates nor locks nor writes. Finished steps go through a ring to the caller's thread, which
 //! measures and records them.
@@ -18,4 +18,6 @@ mod privileges;
 pub(super) use loop_thread::{Ring, drain, run_with_drain};
 pub use paced_loop::PERIOD_MARGIN;
 pub(super) use paced_loop::{Pace, close};
-pub use privileges::{RealTime, obtain};
+pub use privileges::obtain;
+
+pub use super::clock::RealTime;

@@ -1,7 +1,6 @@
-//! The privileges by which a thread wakes in time. A refusal is reported and is no error.
+//! The privileges by which a thread wakes in time. A refusal is reported and isn't an error.
 
 use std::num::NonZeroU64;
-use std::time::Duration;
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};
@@ -10,18 +9,7 @@ use thread_priority::{
     thread_native_id,
 };
 
-/// What the loop's thread asks of the system.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct RealTime {
-    /// How long before a step the thread stops sleeping and polls the clock.
-    pub spin: Duration,
-    /// Priority under SCHED_FIFO, 1 to 99; `None` for the normal scheduler.
-    pub fifo_priority: Option<u8>,
-    /// Keeps the memory of the process from being paged out.
-    pub lock_memory: bool,
-    /// The core that the thread is pinned to; `None` for any.
-    pub core: Option<usize>,
-}
+use crate::run::clock::RealTime;
 
 /// Requests all options for the calling thread and returns what the system refused.
 #[must_use]

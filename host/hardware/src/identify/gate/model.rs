@@ -91,12 +91,12 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    /// Turns the motor, within the gap, to where the model follows the begin of the record best. Returns the distance of the
+    /// Turns the motor, within the gap, to where the model follows the start of the record best. Returns the distance of the
     /// model, how far from there the motor may stand, and the scenario with the motor there.
     fn find_twist(&self, count_rad: [f64; 2]) -> Result<(f64, f64, Scenario), RunError> {
         /// Samples that the search follows.
         const FOLLOWED: usize = 1000;
-        /// Places either way of the middle that are tried at first, and halvings of their distance.
+        /// Places on both sides of the middle that are tried at first, and halvings of their distance.
         const PLACES: i32 = 8;
         const HALVINGS: u32 = 10;
         let plant = &self.scenario.plant;

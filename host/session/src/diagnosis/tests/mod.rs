@@ -176,7 +176,7 @@ fn another_host_is_told_from_a_drive() {
 fn a_refused_identity_is_named_with_field_and_value() {
     for (trouble, text) in [
         ("state out of its list", "Identity with state 9, no value of State"),
-        ("body too short", "Identity with a body of 45 bytes in place of 46"),
+        ("body too short", "Identity with a body of 45 bytes instead of 46"),
     ] {
         let Cause::Refused(refusal) = cause_of(trouble) else { panic!("{trouble}") };
         assert_eq!(refusal.to_string(), text);

@@ -1,6 +1,6 @@
 //! Input and output of a control law.
 
-use crate::control::Real;
+use super::real::Real;
 
 /// One sample as the drive measures it.
 #[derive(Debug, Clone, Copy, PartialEq)]

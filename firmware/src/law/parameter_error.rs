@@ -3,7 +3,7 @@
 //! The range of a single parameter belongs to the drive's parameter table. Constructors of laws check only the limit
 //! that one parameter sets to another.
 
-use crate::control::Real;
+use super::real::Real;
 
 /// A parameter beyond the limit that other parameters set.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

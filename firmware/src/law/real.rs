@@ -93,11 +93,6 @@ macro_rules! real {
 real!(f32, libm::tanhf, libm::expm1f, libm::sqrtf, libm::fabsf);
 real!(f64, libm::tanh, libm::expm1, libm::sqrt, libm::fabs);
 
-/// Gain alpha of a first-order lag of `rate` (1/s) over `time` (s) with a held input: `1 - e^(-rate time)`.
-pub(crate) fn alpha<F: Real>(rate: F, time: F) -> F {
-    -(-(rate * time)).exp_m1()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,12 +108,5 @@ mod tests {
     fn clamp_passes_nan() {
         assert!(Real::clamp(f32::NAN, -1.0, 1.0).is_nan());
         assert_eq!(Real::clamp(-3.0_f32, -1.0, 1.0), -1.0);
-    }
-
-    #[test]
-    fn alpha_of_a_slow_lag_keeps_its_digits_in_single_precision() {
-        // 1 - e^-x loses all but three digits of 1e-5 in f32 if computed by subtraction.
-        let have = alpha(0.01_f32, 0.001);
-        assert!((have.to_f64() / 9.99995e-6 - 1.0).abs() < 2e-7, "have {have}");
     }
 }
