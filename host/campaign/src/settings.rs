@@ -1,5 +1,9 @@
 //! A campaign as data: variants, parts, derived columns, expectations.
 
+use lashloop_bench::scenario::declare::{
+    Field, Named as _, any_text, by, choice, integer, plain, section, sections, text, texts,
+};
+use lashloop_bench::settings;
 use lashloop_plant::metrics::Metric;
 
 use crate::axis::Axis;
@@ -19,47 +23,89 @@ pub const TORQUE_DIGEST: &str = "torque_sha256";
 /// metrics that don't apply to the run.
 pub const MISSING: &str = "missing";
 
-/// A campaign as its file has it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CampaignFile {
-    pub title: String,
-    /// Scenario of the variants that have none of their own; relative to the file.
-    pub scenario: Option<String>,
-    pub seed: u64,
-    /// Settings of every case.
-    pub set: Vec<String>,
-    pub variants: Vec<VariantSettings>,
-    pub parts: Vec<Part>,
-    pub derived: Vec<Derived>,
-    pub expectations: Vec<Expectation>,
-    pub evidence: EvidenceSettings,
+settings! {
+    /// A campaign as its file has it.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CampaignFile {
+        /// One line for reports.
+        pub title: String = text("a text in quotes"),
+        /// Scenario of every variant that has none of its own; relative to the file.
+        pub scenario: Option<String> = any_text(),
+        /// Seed of every random stream.
+        pub seed: u64 = integer(0..=i64::MAX.cast_unsigned()).or(1),
+        /// Values in place of the scenario's, each as after `--set`.
+        pub set: Vec<String> = settings(),
+        /// A law or another choice: every row of a part is run once with each variant.
+        pub variants as "variant": Vec<VariantSettings> = sections(plain),
+        /// A set of points.
+        pub parts as "part": Vec<Part> = sections(Part::checked),
+        /// A further column, computed from a metric.
+        pub derived as "derive": Vec<Derived> = sections(Derived::checked),
+        /// A limit on a statistic over runs.
+        pub expectations as "expect": Vec<Expectation> = sections(Expectation::checked),
+        /// Runs that are run again with a record.
+        pub evidence: EvidenceSettings = section(plain),
+    }
 }
 
-/// `[[variant]]`: every row of a part is run once with each.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VariantSettings {
-    pub name: String,
-    pub scenario: Option<String>,
-    pub set: Vec<String>,
+fn settings() -> impl Field<Value = Vec<String>> {
+    texts("a list of texts in quotes").or(Vec::new())
 }
 
-/// `[[part]]`: a set of points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    pub name: String,
-    pub method: Method,
-    /// Points of a sampled part.
-    pub points: Option<u64>,
-    pub axes: Vec<Axis>,
+pub(crate) fn name() -> impl Field<Value = String> {
+    text("a name in quotes").map(|name, section| {
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
+            section.reject("name", "is no name; it must consist of letters, digits, '-', '_' and '.'");
+        }
+        name
+    })
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    Grid,
-    List,
-    Random,
-    LatinHypercube,
-    Sobol,
+settings! {
+    /// `[[variant]]`: every row of a part is run once with each.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct VariantSettings {
+        /// Name in tables.
+        pub name: String = name(),
+        /// Scenario in place of the campaign's; relative to the file.
+        pub scenario: Option<String> = any_text(),
+        /// Values in place of the scenario's, each as after `--set`.
+        pub set: Vec<String> = settings(),
+    }
+}
+
+settings! {
+    /// `[[part]]`: a set of points.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Part {
+        /// Name in tables.
+        pub name: String = name(),
+        /// How the values of the axes are combined.
+        pub method: Method = choice().or(Method::Grid),
+        /// Points of a sampled part.
+        pub points: Option<u64> = integer(1..=MAX_CASES).optional(),
+        /// Keys that vary together.
+        pub axes as "axis": Vec<Axis> = by(|part| {
+            let is_sampled = part.text("method").and_then(Method::named).is_some_and(Method::is_sampled);
+            sections(move |keys, axis| Axis::checked(keys, axis, is_sampled))
+        }),
+    }
+}
+
+settings! {
+    /// How the values of the axes are combined.
+    pub enum Method {
+        /// every combination; the last axis varies fastest
+        "grid" => Grid,
+        /// the first values of all axes, then the second ones
+        "list" => List,
+        /// `points` independent points; row i has the i-th number of each key's stream
+        "random" => Random,
+        /// `points` points; each of as many strata of an axis has one
+        "latin-hypercube" => LatinHypercube,
+        /// `points` points of a Sobol sequence; best with a power of two
+        "sobol" => Sobol,
+    }
 }
 
 impl Method {
@@ -119,14 +165,17 @@ pub enum Limit {
     Below(f64),
 }
 
-/// `[evidence]`: runs whose records are kept.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct EvidenceSettings {
-    /// Runs with the largest magnitude of a column.
-    pub worst: u64,
-    pub of: Option<String>,
-    /// Runs whose verdict is not PASS, the first ones.
-    pub failures: u64,
+settings! {
+    /// `[evidence]`: runs whose records are kept.
+    #[derive(Debug, Clone, Default, PartialEq, Eq)]
+    pub struct EvidenceSettings {
+        /// Number of runs with the largest magnitude of `of`; a missing value exceeds every number.
+        pub worst: u64 = integer(0..=1000).or(0),
+        /// Metric or derived column.
+        pub of: Option<String> = any_text(),
+        /// Number of runs whose verdict is not PASS, in the order of cases; the report has the number of further ones.
+        pub failures: u64 = integer(0..=10_000).or(FAILURES),
+    }
 }
 
 impl CampaignFile {
