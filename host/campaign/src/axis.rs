@@ -7,6 +7,9 @@ use lashloop_bench::scenario::declare::{any_text, choice, integer, number, scala
 use lashloop_bench::scenario::{Scalar, Section};
 use lashloop_bench::settings;
 
+/// Cases of a campaign, points of a part, and values of an axis, at most.
+pub const MAX_CASES: u64 = 10_000_000;
+
 /// A value of an axis. Displayed as in a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AxisValue {

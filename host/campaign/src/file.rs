@@ -2,17 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use lashloop_bench::scenario::declare::{Settings as _, any_text, choice, number};
+use lashloop_bench::scenario::declare::Settings as _;
 use lashloop_bench::scenario::key::Keys;
 use lashloop_bench::scenario::{ScenarioErrors, Section, settings_file};
-use lashloop_bench::settings;
 use lashloop_plant::metrics::Metric;
 
 use crate::axis::Axis;
 pub use crate::settings::{
     CampaignFile, Derived, EvidenceSettings, Expectation, Limit, Method, Part, Statistic, VariantSettings,
 };
-use crate::settings::{FIRST, LAST, MISSING, name};
+use crate::settings::{Condition, FIRST, LAST, MISSING, StatisticKeys};
 use crate::sobol::DIMENSIONS;
 use crate::soundness;
 
@@ -119,94 +118,25 @@ impl Part {
     }
 }
 
-settings! {
-    /// `[[derive]]` as it is written.
-    pub(crate) struct DerivedKeys {
-        /// Name of the column.
-        name: String = name(),
-        /// Metric that the column is computed from.
-        metric: Option<Metric> = choice().optional(),
-        /// The metric is divided by this number, or by one count of the encoder of `or_count_of` if that is larger.
-        per: Option<f64> = number(1e-12..=1e12).optional(),
-        /// Key with the counts per revolution of an encoder.
-        or_count_of: Option<String> = any_text(),
-        /// Only runs count in which this metric is at most `at_most`.
-        only_if: Option<Metric> = choice().optional(),
-        /// Limit of `only_if`.
-        at_most: Option<f64> = number(-1e12..=1e12).optional(),
-    }
-}
-
-impl Derived {
-    pub(crate) fn checked(keys: DerivedKeys, section: &mut Section<'_>) -> Self {
-        let DerivedKeys { name, metric, per, or_count_of, only_if, at_most } = keys;
-        if metric.is_none() {
-            section.reject_section("is computed from nothing; add metric");
-        }
-        if only_if.is_some() != at_most.is_some() {
+impl Condition {
+    /// The metric and its limit.
+    pub(crate) fn checked(self, section: &mut Section<'_>) -> Option<(Metric, f64)> {
+        if self.only_if.is_some() != self.at_most.is_some() {
             section.reject_section("must give both only_if and at_most, or none of them");
         }
-        // The stand-in of a missing metric; the file is rejected.
-        Self {
-            name,
-            metric: metric.unwrap_or(Metric::ALL[0]),
-            per,
-            or_count_of,
-            only_if: only_if.zip(at_most),
-        }
+        self.only_if.zip(self.at_most)
     }
 }
 
-settings! {
-    /// What must meet a limit.
-    pub(crate) enum Judge {
-        /// the value over the runs of the campaign
-        "value" => Value,
-        /// the whole confidence interval: the limit is shown, not only met; needs `confidence`, and a quantile or fraction
-        /// below 1
-        "interval" => Interval,
-    }
-}
-
-settings! {
-    /// `[[expect]]` as it is written.
-    pub(crate) struct ExpectationKeys {
-        /// Part whose runs count; all parts if absent.
-        part: Option<String> = any_text(),
-        /// Variant whose runs count; all variants if absent.
-        variant: Option<String> = any_text(),
-        /// Metric or derived column.
-        metric: Option<String> = any_text(),
-        /// Quantile of the magnitude, by nearest rank; a missing value ranks behind every number.
-        quantile: Option<f64> = number(1e-6..=1.0).optional(),
-        /// Largest allowed value.
-        max: Option<f64> = number(-1e12..=1e12).optional(),
-        /// Value that must not be reached.
-        below: Option<f64> = number(-1e12..=1e12).optional(),
-        /// Smallest allowed fraction of runs whose verdict is PASS, in place of a metric.
-        pass: Option<f64> = number(0.0..=1.0).optional(),
-        /// Level of a two-sided confidence interval, of one variant on one sampled part: order statistics for a quantile,
-        /// Clopper-Pearson for a fraction.
-        confidence: Option<f64> = number(0.5..=0.999_999).optional(),
-        /// What must meet the limit.
-        judge: Judge = choice().or(Judge::Value),
-    }
-}
-
-impl Expectation {
-    pub(crate) fn checked(keys: ExpectationKeys, section: &mut Section<'_>) -> Self {
-        let ExpectationKeys { part, variant, metric: column, quantile, max, below, pass, confidence, judge } =
-            keys;
-        let shown = judge == Judge::Interval;
-        if shown && confidence.is_none() {
-            section.reject("judge", "needs an interval; add confidence");
-        }
+impl StatisticKeys {
+    pub(crate) fn checked(self, section: &mut Section<'_>) -> Statistic {
+        let Self { metric: column, quantile, max, below, pass } = self;
         let limit = match (max, below) {
             (Some(max), None) => Some(Limit::Max(max)),
             (None, Some(below)) => Some(Limit::Below(below)),
             _ => None,
         };
-        let what = match (column, quantile, limit, pass) {
+        match (column, quantile, limit, pass) {
             (Some(column), Some(quantile), Some(limit), None) => {
                 Statistic::Quantile { column, quantile, limit }
             }
@@ -215,16 +145,24 @@ impl Expectation {
                 section.reject_section("must give metric, quantile and either max or below; or pass alone");
                 Statistic::Pass { least: 0.0 }
             }
-        };
-        let is_whole = match what {
+        }
+    }
+}
+
+impl Expectation {
+    pub(crate) fn checked(self, section: &mut Section<'_>) -> Self {
+        if self.shown && self.confidence.is_none() {
+            section.reject("judge", "needs an interval; add confidence");
+        }
+        let is_whole = match self.what {
             Statistic::Quantile { quantile, .. } => quantile >= 1.0,
             Statistic::Pass { least } => least >= 1.0,
         };
-        if shown && is_whole {
+        if self.shown && is_whole {
             let problem =
                 "can't be met: no number of runs bounds the whole population; take quantile or pass < 1";
             section.reject("judge", problem);
         }
-        Self { part, variant, what, confidence, shown }
+        self
     }
 }

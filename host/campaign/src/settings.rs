@@ -1,15 +1,12 @@
 //! A campaign as data: variants, parts, derived columns, expectations.
 
 use lashloop_bench::scenario::declare::{
-    Field, Named as _, any_text, by, choice, integer, plain, section, sections, text, texts,
+    Field, Named as _, any_text, by, choice, flat, integer, number, plain, section, sections, text, texts,
 };
 use lashloop_bench::settings;
 use lashloop_plant::metrics::Metric;
 
-use crate::axis::Axis;
-
-/// Cases of a campaign, points of a part, and values of an axis, at most.
-pub const MAX_CASES: u64 = 10_000_000;
+use crate::axis::{Axis, MAX_CASES};
 
 /// Records of failures by default: some GB at most.
 pub const FAILURES: u64 = 100;
@@ -40,7 +37,7 @@ settings! {
         /// A set of points.
         pub parts as "part": Vec<Part> = sections(Part::checked),
         /// A further column, computed from a metric.
-        pub derived as "derive": Vec<Derived> = sections(Derived::checked),
+        pub derived as "derive": Vec<Derived> = sections(plain),
         /// A limit on a statistic over runs.
         pub expectations as "expect": Vec<Expectation> = sections(Expectation::checked),
         /// Runs that are run again with a record.
@@ -52,7 +49,7 @@ fn settings() -> impl Field<Value = Vec<String>> {
     texts("a list of texts in quotes").or(Vec::new())
 }
 
-pub(crate) fn name() -> impl Field<Value = String> {
+fn name() -> impl Field<Value = String> {
     text("a name in quotes").map(|name, section| {
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
             section.reject("name", "is no name; it must consist of letters, digits, '-', '_' and '.'");
@@ -116,29 +113,81 @@ impl Method {
     }
 }
 
-/// `[[derive]]`: a column computed from a metric.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Derived {
-    pub name: String,
-    pub metric: Metric,
-    /// The metric is divided by the larger of this number and one count of an encoder, in rad.
-    pub per: Option<f64>,
-    /// Key with the counts per revolution of that encoder.
-    pub or_count_of: Option<String>,
-    /// Only runs count in which this metric is at most a limit.
-    pub only_if: Option<(Metric, f64)>,
+settings! {
+    /// `[[derive]]`: a column computed from a metric.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Derived {
+        /// Name of the column.
+        pub name: String = name(),
+        /// Metric that the column is computed from.
+        pub metric: Metric = choice().optional().map(|metric, section| {
+            if metric.is_none() {
+                section.reject_section("is computed from nothing; add metric");
+            }
+            // The stand-in of a missing metric; the file is rejected.
+            metric.unwrap_or(Metric::ALL[0])
+        }),
+        /// The metric is divided by this number, or by one count of the encoder of `or_count_of` if that is larger.
+        pub per: Option<f64> = number(1e-12..=1e12).optional(),
+        /// Key with the counts per revolution of an encoder.
+        pub or_count_of: Option<String> = any_text(),
+        /// Only runs count in which this metric is at most a limit.
+        pub only_if: Option<(Metric, f64)> = flat(Condition::checked),
+    }
 }
 
-/// `[[expect]]`: a limit on a statistic over runs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectation {
-    pub part: Option<String>,
-    pub variant: Option<String>,
-    pub what: Statistic,
-    /// Two-sided, below 1.
-    pub confidence: Option<f64>,
-    /// The whole interval must meet the limit.
-    pub shown: bool,
+settings! {
+    /// The keys of a condition.
+    pub(crate) struct Condition {
+        /// Only runs count in which this metric is at most `at_most`.
+        pub(crate) only_if: Option<Metric> = choice().optional(),
+        /// Limit of `only_if`.
+        pub(crate) at_most: Option<f64> = number(-1e12..=1e12).optional(),
+    }
+}
+
+settings! {
+    /// `[[expect]]`: a limit on a statistic over runs.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Expectation {
+        /// Part whose runs count; all parts if absent.
+        pub part: Option<String> = any_text(),
+        /// Variant whose runs count; all variants if absent.
+        pub variant: Option<String> = any_text(),
+        /// What is limited.
+        pub what: Statistic = flat(StatisticKeys::checked),
+        /// Level of a two-sided confidence interval, of one variant on one sampled part: order statistics for a quantile,
+        /// Clopper-Pearson for a fraction.
+        pub confidence: Option<f64> = number(0.5..=0.999_999).optional(),
+        /// What must meet the limit.
+        pub shown as "judge": bool = choice().or(Judge::Value).map(|judge, _| judge == Judge::Interval),
+    }
+}
+
+settings! {
+    /// The keys of what is limited.
+    pub(crate) struct StatisticKeys {
+        /// Metric or derived column.
+        pub(crate) metric: Option<String> = any_text(),
+        /// Quantile of the magnitude, by nearest rank; a missing value ranks behind every number.
+        pub(crate) quantile: Option<f64> = number(1e-6..=1.0).optional(),
+        /// Largest allowed value.
+        pub(crate) max: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Value that must not be reached.
+        pub(crate) below: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Smallest allowed fraction of runs whose verdict is PASS, in place of a metric.
+        pub(crate) pass: Option<f64> = number(0.0..=1.0).optional(),
+    }
+}
+
+settings! {
+    /// What must meet a limit.
+    enum Judge {
+        /// the value over the runs of the campaign
+        "value" => Value,
+        /// the whole confidence interval: the limit is shown, not only met; needs `confidence`, and a quantile or fraction below 1
+        "interval" => Interval,
+    }
 }
 
 impl Expectation {

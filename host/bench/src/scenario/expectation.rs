@@ -6,7 +6,7 @@ pub(super) use measurable::{PlannedRun, unmeasurable};
 
 use serde::Serialize;
 
-use super::declare::{Named, any_text, by, choice, number, text};
+use super::declare::{Field as _, Named, any_text, by, choice, flat, number, skipped, text};
 use super::key_error::KeyError;
 use super::origin::Origin;
 use super::range::positive;
@@ -15,28 +15,53 @@ use super::spelling::either;
 use crate::settings;
 use lashloop_plant::metrics::{FIXED_SIGNALS, Metric, Quantity, Query, Statistic, Window};
 
-/// Bounds on one quantity, inclusive. At least one is given.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Expectation {
-    /// The metric, or the signal and its statistic.
-    #[serde(flatten)]
-    pub quantity: Quantity,
-    /// The quantity's unit, which the scenario has to give.
-    pub unit: String,
-    /// Smallest value that passes, -1e9 to 1e9.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<f64>,
-    /// Largest value that passes, -1e9 to 1e9.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<f64>,
-    /// The part of the run that is judged; `None` for all of it.
-    #[serde(flatten)]
-    pub window: Option<Window>,
-    /// Source of the bounds.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub note: Option<String>,
-    #[serde(skip)]
-    places: Places,
+settings! {
+    /// Bounds on one quantity, inclusive. At least one is given.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct Expectation {
+        /// The metric, or the signal and its statistic.
+        #[serde(flatten)]
+        pub quantity: Quantity = flat(QuantityKeys::checked),
+        /// Unit of the metric or of the signal; it is checked.
+        pub unit: String = by(|expect| text(allowed_unit(expect))).map(check_unit),
+        /// Smallest value that passes.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub min: Option<f64> = by(|expect| number(-1e9..=1e9).in_unit(unit_of_bounds(expect)).optional()),
+        /// Largest value that passes.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub max: Option<f64> = by(|expect| number(-1e9..=1e9).in_unit(unit_of_bounds(expect)).optional()),
+        /// The part of the run that is judged; `None` for all of it.
+        #[serde(flatten)]
+        pub window: Option<Window> = flat(WindowKeys::checked),
+        /// Source of the bounds.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub note: Option<String> = any_text(),
+        /// Where the keys are written.
+        #[serde(skip)]
+        places: Places = skipped(Places::of),
+    }
+}
+
+settings! {
+    /// The keys of what is judged.
+    struct QuantityKeys {
+        /// Metric to judge; [metrics.md](metrics.md) defines each.
+        metric: Option<Metric> = choice().optional(),
+        /// Signal to judge instead of a metric: a fixed column of the trace, a signal of the plant, or `drive.NAME`.
+        signal: Option<String> = any_text(),
+        /// Statistic of the signal's values v in the window.
+        statistic: Option<Statistic> = choice().optional(),
+    }
+}
+
+settings! {
+    /// The keys of the part that is judged. Ends within the run are checked once all of the scenario is known.
+    struct WindowKeys {
+        /// Start of the window that is judged, in time of the run; the start of the run if absent.
+        from_s: Option<f64> = number(0.0..=1e5).optional(),
+        /// End of the window that is judged; the end of the run if absent.
+        to_s: Option<f64> = number(positive(1e5)).optional(),
+    }
 }
 
 /// Where the keys of an expectation are written; `None` for an expectation that no file has.
@@ -73,30 +98,6 @@ impl Expectation {
     #[must_use]
     pub fn query(&self) -> Query {
         Query { quantity: self.quantity.clone(), window: self.window }
-    }
-}
-
-settings! {
-    /// `[[expect]]` as it is written.
-    pub(super) struct ExpectationKeys {
-        /// Metric to judge; [metrics.md](metrics.md) defines each.
-        metric: Option<Metric> = choice().optional(),
-        /// Signal to judge instead of a metric: a fixed column of the trace, a signal of the plant, or `drive.NAME`.
-        signal: Option<String> = any_text(),
-        /// Statistic of the signal's values v in the window.
-        statistic: Option<Statistic> = choice().optional(),
-        /// Unit of the metric or of the signal; it is checked.
-        unit: String = by(|expect| text(allowed_unit(expect))),
-        /// Smallest value that passes.
-        min: Option<f64> = by(|expect| number(-1e9..=1e9).in_unit(unit_of_bounds(expect)).optional()),
-        /// Largest value that passes.
-        max: Option<f64> = by(|expect| number(-1e9..=1e9).in_unit(unit_of_bounds(expect)).optional()),
-        /// Start of the window that is judged, in time of the run; the start of the run if absent.
-        from_s: Option<f64> = number(0.0..=1e5).optional(),
-        /// End of the window that is judged; the end of the run if absent.
-        to_s: Option<f64> = number(positive(1e5)).optional(),
-        /// Source of the bounds.
-        note: Option<String> = any_text(),
     }
 }
 
@@ -139,33 +140,63 @@ fn unit_of_bounds(expect: &Section<'_>) -> &'static str {
     }
 }
 
+fn check_unit(unit: String, expect: &mut Section<'_>) -> String {
+    let Some((name, known)) = known_unit(expect) else { return unit };
+    if expect.text("unit").is_some_and(|unit| unit != known) {
+        expect.reject("unit", wrong_unit(name, known));
+    }
+    known.to_owned()
+}
+
 impl Expectation {
-    pub(super) fn checked(keys: ExpectationKeys, expect: &mut Section<'_>) -> Self {
-        let ExpectationKeys { metric, signal, statistic, unit, min, max, from_s, to_s, note } = keys;
-        check_quantity(expect);
-        let quantity = match (metric, signal, statistic) {
+    pub(super) fn checked(self, expect: &mut Section<'_>) -> Self {
+        let unit = unit_of_bounds(expect);
+        match (self.min, self.max) {
+            (None, None) => expect.reject_section("gives neither min nor max; it must give at least one"),
+            (Some(min), Some(max)) if min > max && expect.is_option("max") => {
+                expect.reject("max", format!("is less than min; it must be >= {min} {unit}"));
+            }
+            (Some(min), Some(max)) if min > max => {
+                expect.reject("min", format!("is greater than max; it must be <= {max} {unit}"));
+            }
+            _ => {}
+        }
+        self
+    }
+}
+
+impl QuantityKeys {
+    fn checked(self, expect: &mut Section<'_>) -> Quantity {
+        match (expect.has("metric"), expect.has("signal"), expect.has("statistic")) {
+            (true, false, false) | (false, true, true) => {}
+            (false, false, false) => expect.reject_section(
+                "names nothing to judge; it must give a metric, or a signal and its statistic",
+            ),
+            (false, true, false) => {
+                let names = either(Statistic::ALL.map(Statistic::name));
+                expect.reject("signal", format!("has no statistic; add statistic = {names}"));
+            }
+            (false, false, true) => {
+                expect.reject("statistic", "has no signal; add signal = \"NAME\" or \"drive.NAME\"");
+            }
+            (true, signal, _) => {
+                let key = if signal { "signal" } else { "statistic" };
+                let reason = "is given with a metric; give either a metric, or a signal and its statistic";
+                expect.reject(key, reason);
+            }
+        }
+        match (self.metric, self.signal, self.statistic) {
             (Some(metric), None, None) => Quantity::Metric(metric),
             (None, Some(signal), Some(statistic)) => Quantity::Statistic { signal, statistic },
             // The stand-in of a faulty one; the scenario is rejected.
             _ => Quantity::Metric(Metric::SettleTime),
-        };
-        let known = known_unit(expect);
-        if let Some((name, known)) = known
-            && expect.text("unit").is_some_and(|unit| unit != known)
-        {
-            expect.reject("unit", wrong_unit(name, known));
         }
-        let unit_of_bounds = unit_of_bounds(expect);
-        match (min, max) {
-            (None, None) => expect.reject_section("gives neither min nor max; it must give at least one"),
-            (Some(min), Some(max)) if min > max && expect.is_option("max") => {
-                expect.reject("max", format!("is less than min; it must be >= {min} {unit_of_bounds}"));
-            }
-            (Some(min), Some(max)) if min > max => {
-                expect.reject("min", format!("is greater than max; it must be <= {max} {unit_of_bounds}"));
-            }
-            _ => {}
-        }
+    }
+}
+
+impl WindowKeys {
+    fn checked(self, expect: &mut Section<'_>) -> Option<Window> {
+        let Self { from_s, to_s } = self;
         if let (Some(from), Some(to)) = (from_s, to_s)
             && from >= to
         {
@@ -173,37 +204,18 @@ impl Expectation {
             let (side, bound) = if key == "to_s" { (">", from) } else { ("<", to) };
             expect.reject(key, format!("leaves no window from from_s to to_s; it must be {side} {bound} s"));
         }
+        (from_s.is_some() || to_s.is_some()).then(|| Window { from_s: from_s.unwrap_or(0.0), to_s })
+    }
+}
+
+impl Places {
+    fn of(expect: &Section<'_>) -> Self {
         let origin = |key| expect.node(key).map(|node| node.origin.clone());
-        let places = Places {
+        Self {
             quantity: origin("metric").or_else(|| origin("signal")),
             unit: origin("unit"),
             from_s: origin("from_s"),
             to_s: origin("to_s"),
-        };
-        let window =
-            (from_s.is_some() || to_s.is_some()).then(|| Window { from_s: from_s.unwrap_or(0.0), to_s });
-        let unit = known.map_or(unit, |(_, known)| known.to_owned());
-        Self { quantity, unit, min, max, window, note, places }
-    }
-}
-
-/// Reports keys that name no quantity, or two.
-fn check_quantity(expect: &Section<'_>) {
-    match (expect.has("metric"), expect.has("signal"), expect.has("statistic")) {
-        (true, false, false) | (false, true, true) => {}
-        (false, false, false) => expect
-            .reject_section("names nothing to judge; it must give a metric, or a signal and its statistic"),
-        (false, true, false) => {
-            let names = either(Statistic::ALL.map(Statistic::name));
-            expect.reject("signal", format!("has no statistic; add statistic = {names}"));
-        }
-        (false, false, true) => {
-            expect.reject("statistic", "has no signal; add signal = \"NAME\" or \"drive.NAME\"");
-        }
-        (true, signal, _) => {
-            let key = if signal { "signal" } else { "statistic" };
-            let reason = "is given with a metric; give either a metric, or a signal and its statistic";
-            expect.reject(key, reason);
         }
     }
 }

@@ -11,7 +11,7 @@ use lashloop_plant::{Plant, PlantError, PlantModel, PlantValue, PlantValues, Pla
 use lashloop_plant::{TORQUE_DELAY_US, smooth};
 use serde::{Serialize, Serializer};
 
-use super::declare::{Field, Settings, Single, declare, name_of, number, section, section_of};
+use super::declare::{Field, Settings, Single, declare, name_of, number, plain, section, section_of};
 use super::environment::EnvironmentSettings;
 use super::key::{Choice, Keys, Selector};
 use super::plant_keys;
@@ -96,13 +96,13 @@ settings! {
     /// What every model has.
     struct Common {
         /// Positions and velocities at time 0.
-        initial: Start = section(|keys: StartKeys, _| keys.start()),
+        initial: Start = section(plain),
     }
 }
 
 settings! {
-    /// `[plant.initial]`; the default is the paper's start at rest.
-    struct StartKeys {
+    /// The default is the paper's start at rest.
+    impl Start {
         /// Position of the load.
         load_position_rad: f64 = number(-1e4..=1e4).or(FRAC_PI_2),
         /// Velocity of the load.
@@ -111,13 +111,6 @@ settings! {
         motor_position_rad: f64 = number(-1e4..=1e4).or(3.0 * FRAC_PI_2),
         /// Velocity of the motor.
         motor_velocity_rad_s: f64 = number(-1e4..=1e4).or(0.0),
-    }
-}
-
-impl StartKeys {
-    fn start(self) -> Start {
-        let Self { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s } = self;
-        Start { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s }
     }
 }
 

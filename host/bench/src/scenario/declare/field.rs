@@ -111,6 +111,17 @@ pub fn sections<S: Settings, T>(convert: impl Fn(S, &mut Section<'_>) -> T) -> i
     })
 }
 
+/// Several keys of one section as one value.
+pub fn flat<S: Settings, T>(convert: impl Fn(S, &mut Section<'_>) -> T) -> impl Field<Value = T> {
+    field(
+        |_, _, keys| S::declare(keys),
+        move |_, section| {
+            let settings = S::read(section);
+            convert(settings, section)
+        },
+    )
+}
+
 /// The keys of a section as they are, for [`section`] and [`sections`].
 #[must_use]
 pub fn plain<S>(settings: S, _: &mut Section<'_>) -> S {

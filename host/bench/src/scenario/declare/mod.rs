@@ -16,7 +16,7 @@ mod named;
 mod settings;
 mod single;
 
-pub use field::{Field, Map, by, plain, section, sections, skipped, tagged};
+pub use field::{Field, Map, by, flat, plain, section, sections, skipped, tagged};
 pub use named::Named;
 pub use settings::{Settings, Variants};
 pub use single::{

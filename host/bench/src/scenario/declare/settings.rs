@@ -33,6 +33,7 @@ pub trait Variants: Sized {
 /// | declaration | entry | yields |
 /// |---|---|---|
 /// | `struct Name` | `key: Type = field`, or `field as "key": Type = field` | the struct, its [`Settings`](crate::scenario::declare::Settings) |
+/// | `impl Name` | the same | [`Settings`](crate::scenario::declare::Settings) of a struct that is declared elsewhere |
 /// | `struct Name with(name: Type)` | the same; fields may use `name` | the struct, functions `declare` and `read` that take `name` |
 /// | `enum Name` | `"name" => Variant`, or `default "name" => Variant` | the enum, [`Named`](crate::scenario::declare::Named), `Serialize` as its name |
 /// | `enum Name` | `"name" => Variant { entries }` | the enum, [`Variants`](crate::scenario::declare::Variants) |
@@ -49,6 +50,11 @@ macro_rules! settings {
         $crate::settings! {
             @read $name ($($with: $context)?) $([($key $($word)?) (concat!($($doc),+)) ($type) ($field)])+
         }
+    };
+    ($(#[doc = $what:literal])* impl $name:ident {
+        $($(#[doc = $doc:literal])+ $key:ident: $type:ty = $field:expr,)+
+    }) => {
+        $crate::settings! { @read $name () $([($key) (concat!($($doc),+)) ($type) ($field)])+ }
     };
     (@read $name:ident () $([($($key:tt)+) ($doc:expr) ($type:ty) ($field:expr)])+) => {
         impl $crate::scenario::declare::Settings for $name {

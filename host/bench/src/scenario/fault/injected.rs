@@ -8,7 +8,7 @@ use super::link::{FrameFault, LinkFault, Way, WayKey};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::RunMode;
-use crate::scenario::declare::{Settings, Variants, number, tagged};
+use crate::scenario::declare::{Field as _, Settings, Variants, number, tagged};
 use crate::scenario::key::{Choice, Keys};
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
@@ -28,18 +28,24 @@ pub enum FaultDuration {
     WallClock,
 }
 
-/// A fault to inject during the run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct InjectedFault {
-    /// Time of the run at which it begins, 0 to 1e5 s and before the end of the run.
-    pub at_s: f64,
-    /// How long it lasts, > 0 and <= 1e5 s; `None` for the rest of the run. See [`FaultDuration`] for the clock.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub for_s: Option<f64>,
-    /// What goes wrong.
-    #[serde(flatten)]
-    pub kind: FaultKind,
+settings! {
+    /// A fault to inject during the run.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct InjectedFault {
+        /// Time of the run at which the fault begins, before the end of the run.
+        pub at_s: f64 = number(0.0..=1e5),
+        /// How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need it;
+        /// `device-reset` takes none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub for_s: Option<f64> = number(positive(1e5)).optional(),
+        /// What goes wrong.
+        #[serde(flatten)]
+        pub kind: FaultKind = tagged(false).map(|kind, _| kind.unwrap_or(STAND_IN)),
+    }
 }
+
+/// Takes the place of a faulty entry until the scenario is rejected: a kind that is possible in every run.
+const STAND_IN: FaultKind = FaultKind::Frame { fault: FrameFault::Stall {}, way: Way::Both };
 
 /// Kinds of fault by what they strike.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -167,34 +173,17 @@ impl Variants for FaultKind {
     }
 }
 
-settings! {
-    /// `[[fault]]` as it is written.
-    pub(in crate::scenario) struct FaultKeys {
-        /// Time of the run at which the fault begins, before the end of the run.
-        at_s: f64 = number(0.0..=1e5),
-        /// How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need
-        /// it; `device-reset` takes none.
-        for_s: Option<f64> = number(positive(1e5)).optional(),
-        /// What goes wrong.
-        kind: Option<FaultKind> = tagged(false),
-    }
-}
-
-/// Takes the place of a faulty entry until the scenario is rejected.
-const STAND_IN: FaultKind = FaultKind::Link(LinkFault::Cut {});
-
 impl InjectedFault {
     /// The fault, with what is wrong with its keys together.
-    pub(in crate::scenario) fn checked(keys: FaultKeys, fault: &mut Section<'_>) -> Self {
-        let FaultKeys { at_s, for_s, kind } = keys;
-        match (kind.map(|kind| kind.duration()), for_s) {
-            (Some(FaultDuration::Momentary), Some(_)) => {
+    pub(in crate::scenario) fn checked(self, fault: &mut Section<'_>) -> Self {
+        match (self.kind.duration(), self.for_s) {
+            (FaultDuration::Momentary, Some(_)) => {
                 fault.reject("for_s", "gives a duration, but a reset is over at once; omit it");
             }
-            (Some(FaultDuration::WallClock), None) => fault.reject("kind", "needs for_s: how long it lasts"),
+            (FaultDuration::WallClock, None) => fault.reject("kind", "needs for_s: how long it lasts"),
             _ => {}
         }
-        Self { at_s, for_s, kind: kind.unwrap_or(STAND_IN) }
+        self
     }
 
     /// Reports what this run and this plant rule out.
