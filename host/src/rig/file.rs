@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::scenario::declare::{
-    Field as _, Named, any_text, choice, integer, number, plain, section, skipped, text,
+    Field as _, Named, any_text, choice, integer, number, plain, section, section_of, skipped, text,
 };
 use lashloop_bench::scenario::key::{Choice, Keys};
 use lashloop_bench::scenario::range::positive;
@@ -61,7 +61,7 @@ settings! {
         /// Name of the board, as the drive reports it in the handshake. A drive on another board is rejected.
         pub board: String = text("the name of a board in quotes, such as \"stm32f405\""),
         /// How the drive is reached.
-        pub port: Port = section(|keys: PortKeys, port| Port::checked(keys, port, parse)),
+        pub port: Port = section_of(|keys| Port::declare(keys, parse), |port| Port::read(port, parse)),
         /// Encoders on the pins of the drive. An absent key leaves the drive's default.
         pub encoders: Encoders = section(plain),
         /// Power stage of the drive. An absent key leaves the drive's default.
@@ -73,22 +73,16 @@ settings! {
     }
 }
 
-/// `[port]`: how the drive is reached.
-#[derive(Debug, Clone)]
-pub struct Port {
-    pub device: DeviceChoice,
-    /// Bits per second of a serial port.
-    pub baud: u32,
-}
-
 settings! {
-    /// `[port]` as it is written.
-    struct PortKeys {
-        /// Device of the drive, as after `--device`: a name under `/dev/serial/by-id`, `tcp:HOST:PORT` or
-        /// `rfc2217:HOST:PORT`. A name that another adapter can take, such as `/dev/ttyUSB0`, is an error.
-        device: String = text("the name of a device in quotes, such as \"/dev/serial/by-id/usb-...\""),
+    /// `[port]`: how the drive is reached.
+    #[derive(Debug, Clone)]
+    pub struct Port with(parse: ParseDevice<'_>) {
+        /// Device of the drive, as after `--device`: a name under `/dev/serial/by-id`, `tcp:HOST:PORT` or `rfc2217:HOST:PORT`. A name
+        /// that another adapter can take, such as `/dev/ttyUSB0`, is an error.
+        pub device: DeviceChoice = text("the name of a device in quotes, such as \"/dev/serial/by-id/usb-...\"")
+            .map(move |_, port| device(port, parse)),
         /// Speed of a serial port. Other lines ignore it.
-        baud: u32 = integer(1200..=12_000_000).or(BAUD),
+        pub baud: u32 = integer(1200..=12_000_000).or(BAUD),
     }
 }
 
@@ -186,9 +180,8 @@ impl Rig {
     /// # Errors
     /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_file(path: &Path, parse: ParseDevice<'_>) -> Result<Self, ScenarioErrors> {
-        let declare = |keys: &mut Keys| Self::declare(keys, parse);
-        let rig = settings_file::read(path, "rig file", &declare, |root| Self::read(root, parse))?;
-        Ok(Self { file: path.to_owned(), ..rig })
+        let text = settings_file::read_text(path, "rig file")?;
+        Self::from_text(&path.to_string_lossy(), &text, parse)
     }
 
     /// Reads a text. `name` is the file's name in errors.
@@ -196,8 +189,12 @@ impl Rig {
     /// # Errors
     /// As [`from_file`](Self::from_file), except for reading the file.
     pub fn from_str(name: &str, text: &str) -> Result<Self, ScenarioErrors> {
-        let declare = |keys: &mut Keys| Self::declare(keys, PARSE);
-        let rig = settings_file::from_str(name, text, &declare, |root| Self::read(root, PARSE))?;
+        Self::from_text(name, text, PARSE)
+    }
+
+    fn from_text(name: &str, text: &str, parse: ParseDevice<'_>) -> Result<Self, ScenarioErrors> {
+        let declare = |keys: &mut Keys| Self::declare(keys, parse);
+        let rig = settings_file::from_str(name, text, &declare, |root| Self::read(root, parse))?;
         Ok(Self { file: name.into(), ..rig })
     }
 
@@ -223,34 +220,25 @@ impl Rig {
 /// The devices of the bench.
 const PARSE: ParseDevice<'static> = &|text| text.parse();
 
-impl Port {
-    fn checked(keys: PortKeys, port: &mut Section<'_>, parse: ParseDevice<'_>) -> Self {
-        let PortKeys { device: text, baud } = keys;
-        // The stand-in of a faulty key; the file is rejected.
-        let stand_in = Self { device: NativeTwin.into(), baud };
-        if port.text("device").is_none() {
-            return stand_in;
-        }
-        if ["/dev/ttyUSB", "/dev/ttyACM"].iter().any(|start| text.starts_with(start)) {
-            let reason = "is a name that another adapter can take after a reconnect; write the name under \
-                          /dev/serial/by-id that `lashloop ports` prints";
-            port.reject("device", reason);
-        }
-        match parse(&text) {
-            Err(problem) => {
-                port.reject("device", format!("is no device: {problem}"));
-                stand_in
-            }
-            Ok(device) => {
-                if !device.may_be_hardware() {
-                    let reason = "is a simulator, and a rig is hardware: write a name under /dev/serial/by-id, tcp:HOST:PORT or \
-                                  rfc2217:HOST:PORT; for a simulator omit --rig";
-                    port.reject("device", reason);
-                }
-                Self { device, baud }
-            }
-        }
+/// The device; one that stands in for a faulty one until the file is rejected.
+fn device(port: &Section<'_>, parse: ParseDevice<'_>) -> DeviceChoice {
+    let Some(text) = port.text("device") else { return NativeTwin.into() };
+    if ["/dev/ttyUSB", "/dev/ttyACM"].iter().any(|start| text.starts_with(start)) {
+        let reason = "is a name that another adapter can take after a reconnect; write the name under \
+                      /dev/serial/by-id that `lashloop ports` prints";
+        port.reject("device", reason);
     }
+    let reason = match parse(text) {
+        Ok(device) if device.may_be_hardware() => return device,
+        Ok(_) => {
+            "is a simulator, and a rig is hardware: write a name under /dev/serial/by-id, tcp:HOST:PORT or \
+                  rfc2217:HOST:PORT; for a simulator omit --rig"
+                .to_owned()
+        }
+        Err(problem) => format!("is no device: {problem}"),
+    };
+    port.reject("device", reason);
+    NativeTwin.into()
 }
 
 impl PowerStage {

@@ -74,17 +74,20 @@ pub(in crate::scenario) fn field<T>(
     Made { declare, read }
 }
 
+impl Keys {
+    fn add_sections(&mut self, name: &'static str, doc: &'static str, kind: KeyKind) {
+        self.keys.push(Key { name, doc, unit: "", required: false, default: None, kind });
+    }
+}
+
 /// A section with the keys that `declare` adds and `read` reads. An absent one reads as its defaults.
-pub(in crate::scenario) fn section_of<T>(
+pub fn section_of<T>(
     declare: impl Fn(&mut Keys) + Clone,
     read: impl Fn(&mut Section<'_>) -> T,
 ) -> impl Field<Value = T> {
     let add = declare.clone();
     field(
-        move |name, doc, keys| {
-            let kind = KeyKind::Section(Keys::of(&declare));
-            keys.keys.push(Key { name, doc, unit: "", required: false, default: None, kind });
-        },
+        move |name, doc, keys| keys.add_sections(name, doc, KeyKind::Section(Keys::of(&declare))),
         move |name, section| section.section(name, &add, &read),
     )
 }
@@ -99,16 +102,14 @@ pub fn section<S: Settings, T>(convert: impl Fn(S, &mut Section<'_>) -> T) -> im
 
 /// A list of sections. An absent list is empty.
 pub fn sections<S: Settings, T>(convert: impl Fn(S, &mut Section<'_>) -> T) -> impl Field<Value = Vec<T>> {
-    let declare = |name, doc, keys: &mut Keys| {
-        let kind = KeyKind::Sections(Keys::of(S::declare));
-        keys.keys.push(Key { name, doc, unit: "", required: false, default: None, kind });
+    let read = move |inside: &mut Section<'_>| {
+        let settings = S::read(inside);
+        convert(settings, inside)
     };
-    field(declare, move |name, section| {
-        section.sections(name, &S::declare, |inside| {
-            let settings = S::read(inside);
-            convert(settings, inside)
-        })
-    })
+    field(
+        |name, doc, keys| keys.add_sections(name, doc, KeyKind::Sections(Keys::of(S::declare))),
+        move |name, section| section.sections(name, &S::declare, &read),
+    )
 }
 
 /// Several keys of one section as one value.

@@ -16,14 +16,14 @@ mod named;
 mod settings;
 mod single;
 
-pub use field::{Field, Map, by, flat, plain, section, sections, skipped, tagged};
+pub use field::{Field, Map, by, flat, plain, section, section_of, sections, skipped, tagged};
 pub use named::Named;
 pub use settings::{Settings, Variants};
 pub use single::{
     Optional, Scalar, Single, any_text, choice, choices, integer, number, scalars, text, texts,
 };
 
-pub(super) use field::{field, section_of};
+pub(super) use field::field;
 pub(super) use single::{name_of, placed_texts, values};
 
 use super::key::Keys;
