@@ -76,10 +76,8 @@ impl<T: Clone> Single<T> {
             Some(_) if is_fraction => self.stand_in(),
             _ => self.default.clone(),
         };
-        if let Some(number) =
-            value.as_ref().filter(|_| is_fraction).and_then(|value| (self.write)(value).number())
-        {
-            section.in_force(name, unit, number);
+        if let (true, Some(number)) = (is_fraction, value.as_ref().map(self.write)) {
+            section.in_force(name, unit, number.number().unwrap_or(f64::NAN));
         }
         value
     }
@@ -96,9 +94,14 @@ impl<T: Clone> Single<T> {
             }
             _ => (std::slice::from_ref(node), false),
         };
-        let problems = items.iter().filter_map(|item| Some((item, self.kind.problem(&item.value, unit)?)));
-        let count = problems.map(|(item, problem)| section.error(name, item, problem)).count();
-        is_list || count == 0
+        let mut is_accepted = true;
+        for item in items {
+            if let Some(problem) = self.kind.problem(&item.value, unit) {
+                section.error(name, item, problem);
+                is_accepted = is_list;
+            }
+        }
+        is_accepted
     }
 
     /// The value of a faulty key until the document is rejected.

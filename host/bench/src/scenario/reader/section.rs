@@ -14,7 +14,8 @@ use crate::scenario::tree::{Node, Table, Value};
 /// A section that is being read.
 pub struct Section<'a> {
     path: String,
-    origin: Origin,
+    /// Where the section begins.
+    pub(in crate::scenario) origin: Origin,
     table: Option<&'a Table>,
     /// Names and units of the keys that were read.
     known: Vec<(&'static str, &'static str)>,
@@ -219,11 +220,6 @@ impl<'a> Section<'a> {
     /// Whether the scenario has the section.
     pub(in crate::scenario) fn is_given(&self) -> bool {
         self.table.is_some()
-    }
-
-    /// Where the section begins.
-    pub(in crate::scenario) fn origin(&self) -> Origin {
-        self.origin.clone()
     }
 
     /// Where a key is written; for an absent one, where the section begins.

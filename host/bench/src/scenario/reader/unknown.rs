@@ -52,9 +52,10 @@ impl Known<'_> {
             let key = selector.key;
             let default = keys.keys.iter().find(|it| it.name == key).and_then(|it| it.default.as_ref());
             let given = (self.given)(key);
-            let chosen = given.and_then(Node::text).or(default.and_then(Value::text))?;
-            let nested = selector.variants.iter().find(|(variant, _)| *variant == chosen);
-            nested.and_then(|(_, keys)| self.owner(keys, name)).or_else(|| {
+            let variant = |chosen: &str| selector.variants.iter().find(|(variant, _)| *variant == chosen);
+            let chosen = given.and_then(|node| variant(node.text()?));
+            let (chosen, nested) = chosen.or_else(|| variant(default?.text()?))?;
+            self.owner(nested, name).or_else(|| {
                 let has = |keys: &Keys| keys.keys.iter().any(|key| key.name == name);
                 let (owner, _) = selector.variants.iter().find(|(_, keys)| has(keys))?;
                 let chooser = given.and_then(|node| Origin::replacement(&node.origin));

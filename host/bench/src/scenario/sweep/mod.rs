@@ -53,7 +53,7 @@ settings! {
             sections(move |keys, axis| Axis::checked(keys, axis, sampling))
         }),
         /// Where the section begins.
-        origin: Origin = skipped(|sweep| sweep.origin()),
+        origin: Origin = skipped(|sweep| sweep.origin.clone()),
     }
 }
 
@@ -71,7 +71,7 @@ impl Sweep {
         }
         match (sampling(sweep), self.points) {
             (Sampling::Sweep, None) => {
-                sweep.reject_section("is a Latin hypercube without points; add points")
+                sweep.reject_section("is a Latin hypercube without points; add points");
             }
             (Sampling::Axis, Some(_)) => sweep.reject("points", "belongs to method = \"latin-hypercube\""),
             _ => {}
