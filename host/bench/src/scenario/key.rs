@@ -1,4 +1,4 @@
-//! The keys of scenarios as data: what the reader accepts, and what the page and the JSON Schema print.
+//! The keys of files of settings as data: what a reader accepts, and what pages and JSON Schemas print.
 
 use std::borrow::Cow;
 
@@ -90,42 +90,41 @@ impl KeyKind {
 
     /// What is wrong with a value, or with an item of several choices.
     pub(super) fn problem(&self, value: &Value, unit: &str) -> Option<KeyError> {
-        let names = |choices: &[Choice]| value.text().map(|text| choices.iter().any(|it| it.name == text));
+        let list = |is_good: &dyn Fn(&Node) -> bool| value.list().filter(|items| items.iter().all(is_good));
         let is_scalar =
             |item: &Node| !matches!(item.value, Value::Date(_) | Value::Array(_) | Value::Table(_));
-        // Whether the value is allowed, if its type is.
+        // Whether the value is allowed; `None` if it is of another type.
         let is_allowed = match self {
             Self::Number(range) => value.number().map(|number| range.contains(number)),
             Self::WholeNumber { low, high } => {
-                let within = |number: i64| (*low..=*high).contains(&number.into());
-                value.whole_number().map(|number| number.is_some_and(within))
+                let is_within = |number: i64| (*low..=*high).contains(&number.into());
+                value.whole_number().map(|number| number.is_some_and(is_within))
             }
             Self::Text { .. } => value.text().map(|_| true),
-            Self::Texts { .. } => {
-                value.list().filter(|items| items.iter().all(|item| item.text().is_some())).map(|_| true)
+            Self::Texts { .. } => list(&|item| item.text().is_some()).map(|_| true),
+            Self::Values => list(&is_scalar).filter(|items| !items.is_empty()).map(|_| true),
+            Self::Choice(choices) | Self::Choices(choices) => {
+                value.text().map(|text| choices.iter().any(|choice| choice.name == text))
             }
-            Self::Values => {
-                value.list().filter(|items| !items.is_empty() && items.iter().all(is_scalar)).map(|_| true)
-            }
-            Self::Choice(choices) | Self::Choices(choices) => names(choices),
             Self::Section(_) | Self::Sections(_) => Some(true),
         };
-        let (found, kind) = (value.to_string(), value.kind());
-        match (is_allowed, self) {
-            (Some(true), _) => None,
-            (Some(false), Self::Choice(_) | Self::Choices(_)) => {
-                Some(KeyError::NotAChoice { found, allowed: self.allowed(unit) })
-            }
-            (Some(false), _) => Some(KeyError::OutOfRange { found, allowed: self.range(unit) }),
-            (None, _) => {
-                let written = value.text().filter(|_| self.is_number()).and_then(decimal_point);
-                let comma = written.map(|written| format!("has a decimal comma; write {written}"));
-                Some(match comma {
-                    Some(reason) => KeyError::Rejected { found, reason },
-                    None => KeyError::WrongType { found, kind, allowed: self.allowed(unit) },
-                })
-            }
+        if is_allowed == Some(true) {
+            return None;
         }
+        let found = value.to_string();
+        let comma = value.text().filter(|_| self.is_number()).and_then(decimal_point);
+        Some(match (self, comma) {
+            (_, Some(written)) => {
+                KeyError::Rejected { found, reason: format!("has a decimal comma; write {written}") }
+            }
+            _ if is_allowed.is_none() => {
+                KeyError::WrongType { found, kind: value.kind(), allowed: self.allowed(unit) }
+            }
+            (Self::Choice(_) | Self::Choices(_), _) => {
+                KeyError::NotAChoice { found, allowed: self.allowed(unit) }
+            }
+            _ => KeyError::OutOfRange { found, allowed: self.range(unit) },
+        })
     }
 
     /// The value of a faulty key until the document is rejected.
