@@ -1,8 +1,7 @@
 //! Keys of a section as values: how each is described, and how it is read.
 
-use super::settings::{Settings, Variants};
-use super::single::name_of;
-use crate::scenario::key::{Choice, Key, KeyKind, Keys, Selector};
+use super::settings::Settings;
+use crate::scenario::key::{Key, KeyKind, Keys};
 use crate::scenario::reader::Section;
 
 /// A key of a section, or several keys that are one value.
@@ -141,27 +140,4 @@ pub fn by<F: Field>(make: impl Fn(&Section<'_>) -> F + Clone) -> impl Field<Valu
         move |name, doc, keys| Section::empty(|section| empty(section).declare(name, doc, keys)),
         move |name, section| make(section).read(name, section),
     )
-}
-
-/// A choice that decides on further keys of its section. A faulty choice is `None`. If it `names_owner`, the error for a key
-/// of another name says whose key it is.
-pub fn tagged<V: Variants>(names_owner: bool) -> impl Field<Value = Option<V>> {
-    let declare = move |name, doc, keys: &mut Keys| {
-        name_of(V::choices()).declare(name, doc, keys);
-        let variant = |Choice { name, .. }: Choice| {
-            let mut keys = Keys::default();
-            V::declare(name, &mut keys);
-            (name, keys)
-        };
-        let variants = V::choices().into_iter().map(variant).collect();
-        keys.selectors.push(Selector { key: name, variants, names_owner });
-    };
-    field(declare, |name, section| {
-        let chosen = name_of(V::choices()).find(name, section);
-        let variant = chosen.and_then(|chosen| V::read(&chosen, section));
-        if variant.is_none() {
-            section.accept_the_rest();
-        }
-        variant
-    })
 }

@@ -7,16 +7,18 @@
 //! | module | is |
 //! |---|---|
 //! | `settings` | the macro, and what it implements |
-//! | `field` | a key, a section, a list of sections, a choice with keys of its own |
+//! | `field` | a key, a section, a list of sections |
 //! | `single` | numbers, texts and choices |
+//! | `tagged` | a choice whose names have keys of their own |
 //! | `named` | types whose values have names |
 
 mod field;
 mod named;
 mod settings;
 mod single;
+mod tagged;
 
-pub use field::{Field, Map, by, flat, plain, section, section_of, sections, skipped, tagged};
+pub use field::{Field, Map, by, flat, plain, section, section_of, sections, skipped};
 pub use named::Named;
 pub use settings::{Settings, Variants};
 pub use single::{
