@@ -1,5 +1,5 @@
 //! `docs/protocol.md` against the drive: states, answers, sequences, faults, descriptions, telemetry and the conversation byte by byte;
-//! `docs/laws.md` against laws and plant; and the links of all documents.
+//! `docs/laws.md` against laws and plant; the links of all documents; and the errors of every key of a file of settings.
 
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 mod markdown;
@@ -10,6 +10,7 @@ mod conversation;
 mod faults;
 mod host;
 mod host_rules;
+mod keys;
 mod laws;
 mod links;
 mod parameters;
