@@ -1,7 +1,7 @@
 //! Virtual silicon: the drive's unmodified image on register-level models of its chip.
 //!
 //! The models are those of the crate `rigless`: an STM32F427, which has every block of the STM32F405 that the image uses.
-//! They are made from the reference manual RM0090, not from hardware; `docs/bench-drive.md` has what only a board can show.
+//! They are made from the reference manual RM0090, not from hardware; `docs/board-evidence.md` has what only a board can show.
 //!
 //! | module | holds |
 //! |---|---|

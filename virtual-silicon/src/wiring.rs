@@ -169,7 +169,7 @@ impl Wiring {
     pub const BOARDS: [(&'static str, Self); 2] =
         [("stm32f405", Self::F405_BARE), ("odrive-v3", Self::ODRIVE_V3)];
 
-    /// The bare STM32F405 board of `docs/bench-drive.md`. Alternate functions are those of the data sheet, table 9.
+    /// The bare STM32F405 board of `docs/board.md`. Alternate functions are those of the data sheet, table 9.
     pub const F405_BARE: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::pulled_up(C, 6, 2), b: Pin::pulled_up(C, 7, 2) },
         load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },

@@ -34,7 +34,7 @@ const PAGE: &str = "\
 
 A rig file describes one bench with hardware. This page lists its keys. It is generated from the declarations of the reader:
 `lashloop rig keys` prints it, `lashloop rig keys --schema` prints [rig.schema.json](rig.schema.json). Changes belong to
-`host/src/rig/file.rs`. [bench-drive.md](bench-drive.md#rig) has an example and the rules of use.
+`host/src/rig/file.rs`. [using-a-rig.md](using-a-rig.md) has an example and the rules of use.
 
 - The reader rejects an unknown key and a value out of range, with file, line, allowed values and remedy.
 - A scenario can't exceed `[limits]`: a higher limit in the scenario is an error before the run, and an absent one becomes the

@@ -40,7 +40,7 @@ const PERIOD_S: f64 = 1e-3;
 const SCENARIOS: [&str; 4] =
     ["bench-smooth-before", "bench-smooth-after", "bench-friction-before", "bench-friction-after"];
 
-const PAGE: &str = "docs/bench-drive.md";
+const PAGE: &str = "docs/bench-mode.md";
 const BEGIN: &str = "<!-- bench mode against HIL mode -->\n";
 const END: &str = "<!-- end -->";
 

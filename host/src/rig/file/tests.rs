@@ -22,7 +22,7 @@ fn page_and_schema_list_the_keys_of_the_reader() {
 
 #[test]
 fn the_example_of_the_documents_is_a_rig() {
-    let page = document("bench-drive.md");
+    let page = document("using-a-rig.md");
     let example =
         page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
     let rig = Rig::from_str("rig.toml", example).unwrap_or_else(|errors| panic!("{errors}"));
