@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::fs;
 
 use lashloop::rig::Rig;
-use lashloop::suite::baseline::Baseline;
 use lashloop_bench::scenario::cases::Cases;
 use lashloop_bench::scenario::{Scenario, plant};
 use lashloop_campaign::file::CampaignFile;
+use lashloop_campaign::suite::baseline::Baseline;
 
 /// Every section without choices.
 const SCENARIO: &str = r#"title = "a run"
@@ -337,8 +337,10 @@ fn errors_of_every_key_of_a_baseline() {
     let path = folder.path().join("a.baseline.toml");
     let read = |text: &str| {
         fs::write(&path, text).expect("a file");
-        let place = |error: lashloop::suite::baseline::BaselineError| format!("{:?}", error.place());
-        Baseline::read(&path).map(drop).map_err(|error| place(error).replace(&*path.to_string_lossy(), "a.toml"))
+        let place = |error: lashloop_campaign::suite::baseline::BaselineError| format!("{:?}", error.place());
+        Baseline::read(&path)
+            .map(drop)
+            .map_err(|error| place(error).replace(&*path.to_string_lossy(), "a.toml"))
     };
     insta::assert_snapshot!(table(BASELINE, 0, read));
 }

@@ -24,6 +24,7 @@ pub use settings::{Settings, Variants};
 pub use single::{
     Optional, Scalar, Single, any_text, choice, choices, integer, number, scalars, text, texts,
 };
+pub use tagged::tagged;
 
 pub(super) use field::field;
 pub(super) use single::{name_of, placed_texts, values};
