@@ -3,7 +3,12 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use lashloop_bench::scenario::Scalar;
+use lashloop_bench::scenario::declare::{any_text, choice, integer, number, scalars, texts};
+use lashloop_bench::scenario::{Scalar, Section};
+use lashloop_bench::settings;
+
+/// Cases of a campaign, points of a part, and values of an axis, at most.
+pub const MAX_CASES: u64 = 10_000_000;
 
 /// A value of an axis. Displayed as in a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +68,83 @@ pub struct Axis {
     pub values: Values,
     /// A key whose value multiplies the drawn one.
     pub times: Option<String>,
+}
+
+settings! {
+    /// `[[part.axis]]` as it is written.
+    pub(crate) struct AxisKeys {
+        /// Path of the key, such as `plant.dead_zone_rad`.
+        key: Option<String> = any_text(),
+        /// Paths of several keys that take one value.
+        keys: Option<Vec<String>> = texts("a list of texts in quotes").optional(),
+        /// Name of the quantity in tables.
+        label: Option<String> = any_text(),
+        /// Unit in tables.
+        unit: Option<String> = any_text(),
+        /// Values, in place of a range.
+        values: Option<Vec<Scalar>> = scalars(),
+        /// Lower end of the range.
+        min: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Upper end of the range.
+        max: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Points of the range in a grid or a list, both ends included.
+        points: Option<u64> = integer(2..=MAX_CASES).optional(),
+        /// Spacing in the range.
+        scale: Scale = choice().or(Scale::Linear),
+        /// Key whose value in the scenario, or in an earlier axis of this part, multiplies each value.
+        times: Option<String> = any_text(),
+    }
+}
+
+impl Axis {
+    pub(crate) fn checked(keys: AxisKeys, axis: &mut Section<'_>, is_sampled: bool) -> Self {
+        let AxisKeys { key, keys, label, unit, values: listed, min, max, points, scale, times } = keys;
+        let keys = match (key, keys) {
+            (Some(key), None) => vec![key],
+            (None, Some(keys)) if !keys.is_empty() => keys,
+            _ => {
+                axis.reject_section("must give either key, or keys");
+                Vec::new()
+            }
+        };
+        let values = match (listed, min, max) {
+            (Some(listed), None, None) => Values::Listed(listed.into_iter().map(AxisValue::from).collect()),
+            (None, Some(min), Some(max)) => {
+                if min >= max {
+                    axis.reject("max", format!("is no upper end; it must be > {min}"));
+                }
+                if scale == Scale::Whole && (min.fract() != 0.0 || max.fract() != 0.0) {
+                    axis.reject("scale", format!("needs whole ends, and the range is {min} to {max}"));
+                }
+                if scale == Scale::Logarithmic && min <= 0.0 {
+                    axis.reject("min", "has no logarithm; it must be > 0");
+                }
+                match points {
+                    None if !is_sampled => axis.reject_section("has a range without points; add points"),
+                    Some(_) if is_sampled => {
+                        axis.reject("points", "is given twice: part.points is for every axis");
+                    }
+                    _ => {}
+                }
+                Values::Range(Range { min, max, scale, points })
+            }
+            _ => {
+                axis.reject_section("must give either values, or both min and max");
+                Values::Listed(vec![AxisValue::Number(0.0)])
+            }
+        };
+        if let Values::Listed(listed) = &values
+            && listed.iter().filter_map(AxisValue::number).any(|number| !number.is_finite())
+        {
+            axis.reject("values", "has a number that is not finite; remove it");
+        }
+        let is_text =
+            matches!(&values, Values::Listed(listed) if listed.iter().any(|value| value.number().is_none()));
+        if times.is_some() && is_text {
+            axis.reject("times", "multiplies numbers, and this axis has other values");
+        }
+        Self { keys, label, unit: unit.unwrap_or_default(), values, times }
+    }
 }
 
 impl Axis {
@@ -172,11 +254,16 @@ pub struct Range {
     pub points: Option<u64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    Linear,
-    Logarithmic,
-    Whole,
+settings! {
+    /// Spacing in a range.
+    pub enum Scale {
+        /// equal differences
+        "linear" => Linear,
+        /// equal ratios
+        "logarithmic" => Logarithmic,
+        /// equal differences, rounded to whole numbers; of a sampled part each end has half the weight of the others
+        "whole" => Whole,
+    }
 }
 
 impl Range {

@@ -2,9 +2,9 @@
 //!
 //! Cases are in the order of parts; in a part in the order of rows; in a row in the order of variants.
 
+pub use crate::axis::MAX_CASES;
 use crate::axis::{Axis, AxisValue, Values, spread};
 use crate::draw::{Stream, permuted};
-pub use crate::settings::MAX_CASES;
 use crate::settings::{Method, Part};
 use crate::sobol::Dimension;
 

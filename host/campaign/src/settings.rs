@@ -1,11 +1,12 @@
 //! A campaign as data: variants, parts, derived columns, expectations.
 
+use lashloop_bench::scenario::declare::{
+    Field, Named as _, any_text, by, choice, flat, integer, number, plain, section, sections, text, texts,
+};
+use lashloop_bench::settings;
 use lashloop_plant::metrics::Metric;
 
-use crate::axis::Axis;
-
-/// Cases of a campaign, points of a part, and values of an axis, at most.
-pub const MAX_CASES: u64 = 10_000_000;
+use crate::axis::{Axis, MAX_CASES};
 
 /// Records of failures by default: some GB at most.
 pub const FAILURES: u64 = 100;
@@ -19,47 +20,89 @@ pub const TORQUE_DIGEST: &str = "torque_sha256";
 /// metrics that don't apply to the run.
 pub const MISSING: &str = "missing";
 
-/// A campaign as its file has it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CampaignFile {
-    pub title: String,
-    /// Scenario of the variants that have none of their own; relative to the file.
-    pub scenario: Option<String>,
-    pub seed: u64,
-    /// Settings of every case.
-    pub set: Vec<String>,
-    pub variants: Vec<VariantSettings>,
-    pub parts: Vec<Part>,
-    pub derived: Vec<Derived>,
-    pub expectations: Vec<Expectation>,
-    pub evidence: EvidenceSettings,
+settings! {
+    /// A campaign as its file has it.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CampaignFile {
+        /// One line for reports.
+        pub title: String = text("a text in quotes"),
+        /// Scenario of every variant that has none of its own; relative to the file.
+        pub scenario: Option<String> = any_text(),
+        /// Seed of every random stream.
+        pub seed: u64 = integer(0..=i64::MAX.cast_unsigned()).or(1),
+        /// Values in place of the scenario's, each as after `--set`.
+        pub set: Vec<String> = settings(),
+        /// A law or another choice: every row of a part is run once with each variant.
+        pub variants as "variant": Vec<VariantSettings> = sections(plain),
+        /// A set of points.
+        pub parts as "part": Vec<Part> = sections(Part::checked),
+        /// A further column, computed from a metric.
+        pub derived as "derive": Vec<Derived> = sections(plain),
+        /// A limit on a statistic over runs.
+        pub expectations as "expect": Vec<Expectation> = sections(Expectation::checked),
+        /// Runs that are run again with a record.
+        pub evidence: EvidenceSettings = section(plain),
+    }
 }
 
-/// `[[variant]]`: every row of a part is run once with each.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VariantSettings {
-    pub name: String,
-    pub scenario: Option<String>,
-    pub set: Vec<String>,
+fn settings() -> impl Field<Value = Vec<String>> {
+    texts("a list of texts in quotes").or(Vec::new())
 }
 
-/// `[[part]]`: a set of points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    pub name: String,
-    pub method: Method,
-    /// Points of a sampled part.
-    pub points: Option<u64>,
-    pub axes: Vec<Axis>,
+fn name() -> impl Field<Value = String> {
+    text("a name in quotes").map(|name, section| {
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
+            section.reject("name", "is no name; it must consist of letters, digits, '-', '_' and '.'");
+        }
+        name
+    })
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    Grid,
-    List,
-    Random,
-    LatinHypercube,
-    Sobol,
+settings! {
+    /// `[[variant]]`: every row of a part is run once with each.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct VariantSettings {
+        /// Name in tables.
+        pub name: String = name(),
+        /// Scenario in place of the campaign's; relative to the file.
+        pub scenario: Option<String> = any_text(),
+        /// Values in place of the scenario's, each as after `--set`.
+        pub set: Vec<String> = settings(),
+    }
+}
+
+settings! {
+    /// `[[part]]`: a set of points.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Part {
+        /// Name in tables.
+        pub name: String = name(),
+        /// How the values of the axes are combined.
+        pub method: Method = choice().or(Method::Grid),
+        /// Points of a sampled part.
+        pub points: Option<u64> = integer(1..=MAX_CASES).optional(),
+        /// Keys that vary together.
+        pub axes as "axis": Vec<Axis> = by(|part| {
+            let is_sampled = part.text("method").and_then(Method::named).is_some_and(Method::is_sampled);
+            sections(move |keys, axis| Axis::checked(keys, axis, is_sampled))
+        }),
+    }
+}
+
+settings! {
+    /// How the values of the axes are combined.
+    pub enum Method {
+        /// every combination; the last axis varies fastest
+        "grid" => Grid,
+        /// the first values of all axes, then the second ones
+        "list" => List,
+        /// `points` independent points; row i has the i-th number of each key's stream
+        "random" => Random,
+        /// `points` points; each of as many strata of an axis has one
+        "latin-hypercube" => LatinHypercube,
+        /// `points` points of a Sobol sequence; best with a power of two
+        "sobol" => Sobol,
+    }
 }
 
 impl Method {
@@ -70,29 +113,81 @@ impl Method {
     }
 }
 
-/// `[[derive]]`: a column computed from a metric.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Derived {
-    pub name: String,
-    pub metric: Metric,
-    /// The metric is divided by the larger of this number and one count of an encoder, in rad.
-    pub per: Option<f64>,
-    /// Key with the counts per revolution of that encoder.
-    pub or_count_of: Option<String>,
-    /// Only runs count in which this metric is at most a limit.
-    pub only_if: Option<(Metric, f64)>,
+settings! {
+    /// `[[derive]]`: a column computed from a metric.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Derived {
+        /// Name of the column.
+        pub name: String = name(),
+        /// Metric that the column is computed from.
+        pub metric: Metric = choice().optional().map(|metric, section| {
+            if metric.is_none() {
+                section.reject_section("is computed from nothing; add metric");
+            }
+            // The stand-in of a missing metric; the file is rejected.
+            metric.unwrap_or(Metric::ALL[0])
+        }),
+        /// The metric is divided by this number, or by one count of the encoder of `or_count_of` if that is larger.
+        pub per: Option<f64> = number(1e-12..=1e12).optional(),
+        /// Key with the counts per revolution of an encoder.
+        pub or_count_of: Option<String> = any_text(),
+        /// Only runs count in which this metric is at most a limit.
+        pub only_if: Option<(Metric, f64)> = flat(Condition::checked),
+    }
 }
 
-/// `[[expect]]`: a limit on a statistic over runs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectation {
-    pub part: Option<String>,
-    pub variant: Option<String>,
-    pub what: Statistic,
-    /// Two-sided, below 1.
-    pub confidence: Option<f64>,
-    /// The whole interval must meet the limit.
-    pub shown: bool,
+settings! {
+    /// The keys of a condition.
+    pub(crate) struct Condition {
+        /// Only runs count in which this metric is at most `at_most`.
+        pub(crate) only_if: Option<Metric> = choice().optional(),
+        /// Limit of `only_if`.
+        pub(crate) at_most: Option<f64> = number(-1e12..=1e12).optional(),
+    }
+}
+
+settings! {
+    /// `[[expect]]`: a limit on a statistic over runs.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Expectation {
+        /// Part whose runs count; all parts if absent.
+        pub part: Option<String> = any_text(),
+        /// Variant whose runs count; all variants if absent.
+        pub variant: Option<String> = any_text(),
+        /// What is limited.
+        pub what: Statistic = flat(StatisticKeys::checked),
+        /// Level of a two-sided confidence interval, of one variant on one sampled part: order statistics for a quantile,
+        /// Clopper-Pearson for a fraction.
+        pub confidence: Option<f64> = number(0.5..=0.999_999).optional(),
+        /// What must meet the limit.
+        pub shown as "judge": bool = choice().or(Judge::Value).map(|judge, _| judge == Judge::Interval),
+    }
+}
+
+settings! {
+    /// The keys of what is limited.
+    pub(crate) struct StatisticKeys {
+        /// Metric or derived column.
+        pub(crate) metric: Option<String> = any_text(),
+        /// Quantile of the magnitude, by nearest rank; a missing value ranks behind every number.
+        pub(crate) quantile: Option<f64> = number(1e-6..=1.0).optional(),
+        /// Largest allowed value.
+        pub(crate) max: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Value that must not be reached.
+        pub(crate) below: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Smallest allowed fraction of runs whose verdict is PASS, in place of a metric.
+        pub(crate) pass: Option<f64> = number(0.0..=1.0).optional(),
+    }
+}
+
+settings! {
+    /// What must meet a limit.
+    enum Judge {
+        /// the value over the runs of the campaign
+        "value" => Value,
+        /// the whole confidence interval: the limit is shown, not only met; needs `confidence`, and a quantile or fraction below 1
+        "interval" => Interval,
+    }
 }
 
 impl Expectation {
@@ -119,14 +214,17 @@ pub enum Limit {
     Below(f64),
 }
 
-/// `[evidence]`: runs whose records are kept.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct EvidenceSettings {
-    /// Runs with the largest magnitude of a column.
-    pub worst: u64,
-    pub of: Option<String>,
-    /// Runs whose verdict is not PASS, the first ones.
-    pub failures: u64,
+settings! {
+    /// `[evidence]`: runs whose records are kept.
+    #[derive(Debug, Clone, Default, PartialEq, Eq)]
+    pub struct EvidenceSettings {
+        /// Number of runs with the largest magnitude of `of`; a missing value exceeds every number.
+        pub worst: u64 = integer(0..=1000).or(0),
+        /// Metric or derived column.
+        pub of: Option<String> = any_text(),
+        /// Number of runs whose verdict is not PASS, in the order of cases; the report has the number of further ones.
+        pub failures: u64 = integer(0..=10_000).or(FAILURES),
+    }
 }
 
 impl CampaignFile {

@@ -1,6 +1,5 @@
 //! The campaign of `lashloop battery`, in the program.
 
-use lashloop_bench::scenario::present_law;
 use lashloop_campaign::file::CampaignFile;
 use lashloop_campaign::{Campaign, CampaignError, Selection, Source};
 use lashloop_plant::Plants;
@@ -41,15 +40,14 @@ pub fn laws() -> Result<Vec<String>, CampaignError> {
     Ok(file.variants.into_iter().map(|variant| variant.name).collect())
 }
 
-/// A law under test, of which former names are accepted as in scenarios.
+/// A law under test.
 ///
 /// # Errors
 /// The names there are.
 pub fn parse_law(text: &str) -> Result<String, String> {
     let laws = laws().map_err(|error| error.to_string())?;
-    let name = present_law(text);
-    if laws.iter().any(|law| law == name) {
-        return Ok(name.to_owned());
+    if laws.iter().any(|law| law == text) {
+        return Ok(text.to_owned());
     }
     let (last, others) = laws.split_last().ok_or("there are no laws")?;
     Err(format!("expected {} or {last}", others.join(", ")))

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use lashloop_plant::Plants;
 
+use super::declare::{Field, section};
 use super::error::{ScenarioError, ScenarioErrors};
 use super::key_error::KeyError;
 use super::origin::Origin;
-use super::overrides::{Override, find, place, read_tree};
+use super::overrides::{Override, place, read_tree};
 use super::reader::read_document;
-use super::sweep::{self, Setting};
+use super::sweep::{Setting, Sweep};
 use super::tables::GivenTables;
 use super::tree::Table;
 use super::{Scenario, file};
@@ -49,7 +50,7 @@ impl Cases {
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
         let file: Arc<str> = name.into();
-        let known = Scenario::catalogue(plants);
+        let known = || Scenario::keys_with(plants);
         let (mut tree, mut errors) = read_tree(&file, text, overrides, &known)?;
         let settings = match tree.remove("sweep") {
             None => vec![Vec::new()],
@@ -57,7 +58,8 @@ impl Cases {
                 let mut alone = Table::default();
                 alone.insert("sweep", node);
                 let start = Origin::File { file, line: 1, column: 1 };
-                let document = read_document(&alone, start, |root| root.section("sweep", sweep::read));
+                let sweep = section(Sweep::checked);
+                let document = read_document(&alone, start, &|_| {}, |root| sweep.read("sweep", root));
                 errors.extend(document.errors);
                 if errors.is_empty() { document.result.cases() } else { Vec::new() }
             }
@@ -115,7 +117,7 @@ impl Cases {
     /// Keys are unknown, missing or out of range, or an override can't be applied; all errors at once.
     pub fn scenario_with(&self, overrides: &[Override]) -> Result<Scenario, ScenarioErrors> {
         let mut tree = self.tree.clone();
-        let known = Scenario::catalogue(&self.plants);
+        let known = || Scenario::keys_with(&self.plants);
         let errors = overrides.iter().filter_map(|it| it.apply(&mut tree, &known).err()).collect();
         let is_overridden = self.is_overridden || !overrides.is_empty();
         Scenario::from_tree(&self.name, tree, errors, is_overridden, &self.plants, &self.given)
@@ -124,7 +126,7 @@ impl Cases {
 
 /// The error of a key that the command line sets and the sweep varies.
 fn given_twice(tree: &Table, Setting { key, node }: &Setting) -> Option<ScenarioError> {
-    let option = find(tree, key)?.origin.replacement()?;
+    let option = tree.find(key)?.origin.replacement()?;
     let error =
         KeyError::Rejected { found: option, reason: "sets a key that [sweep] varies; remove one".to_owned() };
     Some(ScenarioError::Key { origin: node.origin.clone(), key: key.clone(), error: Box::new(error) })

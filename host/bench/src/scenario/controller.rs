@@ -5,25 +5,30 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::declare::{Field, section_of, skipped, text};
 use super::error::ScenarioError;
 use super::key::Further;
 use super::key_error::KeyError;
 use super::origin::Origin;
-use super::reader::Section;
 use super::spelling::{spell_key, spell_text};
 use super::tree::{Node, Value};
+use crate::settings;
 
-/// The law, and the parameters set on the drive before the run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ControllerSettings {
-    /// The law: one that the drive describes. A law that it doesn't describe is reported at connection.
-    pub name: String,
-    /// Where the law is named.
-    #[serde(skip)]
-    pub origin: Origin,
-    /// `[controller.parameters]` in the order of the file.
-    #[serde(serialize_with = "serialize_parameters")]
-    pub parameters: Vec<ParameterSetting>,
+settings! {
+    /// The law, and the parameters set on the drive before the run. A law that the drive doesn't describe is reported at
+    /// connection.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct ControllerSettings {
+        /// The control law, by its name in the drive; `lashloop parameters list` prints the laws.
+        pub name: String = text("the name of one of the drive's laws, in quotes"),
+        /// Where the law is named.
+        #[serde(skip)]
+        pub origin: Origin = skipped(|controller| controller.origin_of("name")),
+        /// Parameters set on the drive before the run, by their names in the drive; `lashloop parameters list` prints them
+        /// with unit, range and default.
+        #[serde(serialize_with = "serialize_parameters")]
+        pub parameters: Vec<ParameterSetting> = parameters(),
+    }
 }
 
 /// A parameter of the drive. Names, types and ranges come from the drive's self-description at connection; errors are
@@ -82,30 +87,23 @@ impl fmt::Display for ParameterValue {
     }
 }
 
-pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
-    let name = controller
-        .doc("The control law, by its name in the drive; `lashloop parameters list` prints the laws.")
-        .text("name", Some("the name of one of the drive's laws, in quotes"));
-    ControllerSettings {
-        name: name.unwrap_or_default().to_owned(),
-        origin: controller.origin_of("name"),
-        parameters: controller
-            .doc("Parameters set on the drive before the run, by their names in the drive; `lashloop parameters list` prints them with unit, range and default.")
-            .section("parameters", read_parameters),
-    }
-}
-
-fn read_parameters(parameters: &mut Section<'_>) -> Vec<ParameterSetting> {
-    let mut settings = Vec::new();
-    for (name, node) in parameters.all(Further::Values) {
-        match read_value(node) {
-            Ok(value) => {
-                settings.push(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() });
-            }
-            Err(error) => parameters.error(&spell_key(name), node, error),
-        }
-    }
-    settings
+/// `[controller.parameters]`, in the order of the file.
+fn parameters() -> impl Field<Value = Vec<ParameterSetting>> {
+    section_of(
+        |keys| keys.further = Further::Values,
+        |parameters| {
+            let setting = |(name, node): (&str, &Node)| match read_value(node) {
+                Ok(value) => {
+                    Some(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() })
+                }
+                Err(error) => {
+                    parameters.error(&spell_key(name), node, error);
+                    None
+                }
+            };
+            parameters.all().filter_map(setting).collect()
+        },
+    )
 }
 
 fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {
@@ -126,7 +124,7 @@ fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {
     }
 }
 
-fn serialize_parameters<S: Serializer>(
+pub(super) fn serialize_parameters<S: Serializer>(
     settings: &[ParameterSetting],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

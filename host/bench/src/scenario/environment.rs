@@ -3,17 +3,20 @@
 use lashloop_plant::Environment;
 use serde::Serialize;
 
-use super::keys::{number_or, settings};
+use super::declare::{number, section};
 use super::range::positive;
 use super::reader::Section;
+use crate::settings;
 
-/// Wear and load torque over the time of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EnvironmentSettings {
-    /// External torque on the load.
-    pub load_torque: LoadTorque,
-    /// Growth of the gap.
-    pub wear: Wear,
+settings! {
+    /// Wear and load torque over the time of a run.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct EnvironmentSettings {
+        /// An external torque on the load during an interval.
+        pub load_torque: LoadTorque = section(LoadTorque::checked),
+        /// Linear growth of the half gap during an interval.
+        pub wear: Wear = section(Wear::checked),
+    }
 }
 
 impl EnvironmentSettings {
@@ -29,13 +32,14 @@ impl EnvironmentSettings {
 
 settings! {
     /// `[plant.load_torque]`: an external torque on the load during an interval.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct LoadTorque {
         /// The torque, positive towards positive angles.
-        torque_nm: f64 = number_or(0.0, -1e6..=1e6),
+        pub torque_nm: f64 = number(-1e6..=1e6).or(0.0),
         /// Begin of the interval.
-        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        pub from_s: f64 = number(0.0..=FOREVER_S).or(0.0),
         /// End of the interval, excluded.
-        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+        pub until_s: f64 = number(positive(FOREVER_S)).or(FOREVER_S),
     }
 }
 
@@ -45,17 +49,23 @@ impl LoadTorque {
     pub fn at_nm(&self, time_s: f64) -> f64 {
         if (self.from_s..self.until_s).contains(&time_s) { self.torque_nm } else { 0.0 }
     }
+
+    fn checked(self, section: &mut Section<'_>) -> Self {
+        check_times(section, self.from_s, self.until_s);
+        self
+    }
 }
 
 settings! {
     /// `[plant.wear]`: linear growth of the half gap during an interval.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct Wear {
         /// Total growth.
-        growth_rad: f64 = number_or(0.0, 0.0..=1.0),
+        pub growth_rad: f64 = number(0.0..=1.0).or(0.0),
         /// Begin of the growth.
-        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        pub from_s: f64 = number(0.0..=FOREVER_S).or(0.0),
         /// End of the growth.
-        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+        pub until_s: f64 = number(positive(FOREVER_S)).or(FOREVER_S),
     }
 }
 
@@ -69,32 +79,19 @@ impl Wear {
             self.growth_rad * ((time_s - self.from_s) / (self.until_s - self.from_s)).max(0.0)
         }
     }
+
+    fn checked(self, section: &mut Section<'_>) -> Self {
+        check_times(section, self.from_s, self.until_s);
+        self
+    }
 }
 
 /// Far beyond the end of any run.
 const FOREVER_S: f64 = 1e6;
 
-pub(super) fn read(plant: &mut Section<'_>) -> EnvironmentSettings {
-    EnvironmentSettings {
-        load_torque: plant.doc("An external torque on the load during an interval.").section(
-            "load_torque",
-            |section| {
-                let load = LoadTorque::read(section);
-                check_times(section, load.from_s, load.until_s);
-                load
-            },
-        ),
-        wear: plant.doc("Linear growth of the half gap during an interval.").section("wear", |section| {
-            let wear = Wear::read(section);
-            check_times(section, wear.from_s, wear.until_s);
-            wear
-        }),
-    }
-}
-
 /// Checks that an interval ends after its begin.
 fn check_times(section: &Section<'_>, from_s: f64, until_s: f64) {
-    if until_s <= from_s && section.node("until_s").is_some() {
+    if until_s <= from_s && section.has("until_s") {
         section.reject("until_s", format!("is not after from_s; it must be > {from_s} s"));
     } else if until_s <= from_s {
         section.reject("from_s", format!("is the end of time; it must be < {until_s} s"));

@@ -1,18 +1,25 @@
-//! The keys of scenarios as data: what the reader accepts, and what the page and the JSON Schema print.
+//! The keys of files of settings as data: what a reader accepts, and what pages and JSON Schemas print.
 
+use std::borrow::Cow;
+
+use super::key_error::KeyError;
 use super::range::NumberRange;
+use super::spelling::{decimal_point, either, with_unit};
+use super::tree::{Node, Value};
 
-/// A key, as the reader declares it.
+/// A key, as a section declares it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
     /// Name, with the unit at its end.
     pub name: &'static str,
     /// Meaning, in one paragraph of Markdown.
-    pub doc: String,
+    pub doc: &'static str,
     /// Unit; empty for a pure number, a text and a section.
     pub unit: &'static str,
     /// Whether a scenario has to give it.
     pub required: bool,
+    /// Value of an absent key; `None` for a required and for an optional key.
+    pub default: Option<Value>,
     /// Values that it takes.
     pub kind: KeyKind,
 }
@@ -21,40 +28,115 @@ pub struct Key {
 #[derive(Debug, Clone, PartialEq)]
 pub enum KeyKind {
     /// A number.
-    Number {
-        /// Allowed values.
-        range: NumberRange,
-        /// Value of an absent key; `None` for a required and for an optional key.
-        default: Option<f64>,
-    },
+    Number(NumberRange),
     /// A whole number.
     WholeNumber {
         /// Smallest allowed value.
         low: i128,
         /// Largest allowed value.
         high: i128,
-        /// Value of an absent key.
-        default: Option<i128>,
     },
-    /// Any text.
-    Text,
-    /// A list of any texts.
-    Texts,
+    /// A text.
+    Text {
+        /// What it must be, in words.
+        allowed: Cow<'static, str>,
+    },
+    /// A list of texts.
+    Texts {
+        /// What it must be, in words.
+        allowed: &'static str,
+        /// Whether each item has an error of its own.
+        by_item: bool,
+    },
     /// A list of numbers, booleans or texts.
     Values,
     /// One of several names.
-    Choice {
-        /// The names.
-        choices: Vec<Choice>,
-        /// Name in force if the key is absent.
-        default: Option<&'static str>,
-    },
+    Choice(Vec<Choice>),
     /// A list of names; one name may stand without a list.
     Choices(Vec<Choice>),
     /// A section `[key]`.
     Section(Keys),
     /// A list of sections `[[key]]`.
     Sections(Keys),
+}
+
+impl KeyKind {
+    pub(super) fn is_number(&self) -> bool {
+        matches!(self, Self::Number(_) | Self::WholeNumber { .. })
+    }
+
+    /// What a value must be, in words.
+    pub(super) fn allowed(&self, unit: &str) -> String {
+        match self {
+            Self::Number(_) => format!("a number {}", self.range(unit)),
+            Self::WholeNumber { .. } => format!("a whole number {}", self.range(unit)),
+            Self::Text { allowed } => allowed.clone().into_owned(),
+            Self::Texts { allowed, .. } => (*allowed).to_owned(),
+            Self::Choice(choices) | Self::Choices(choices) => either(choices.iter().map(|it| it.name)),
+            Self::Values | Self::Section(_) | Self::Sections(_) => {
+                "a list of numbers, booleans or texts".to_owned()
+            }
+        }
+    }
+
+    /// `>= 1 and <= 64 ms`.
+    pub(super) fn range(&self, unit: &str) -> String {
+        match self {
+            Self::Number(range) => range.describe(unit),
+            Self::WholeNumber { low, high } => with_unit(format!(">= {low} and <= {high}"), unit),
+            _ => String::new(),
+        }
+    }
+
+    /// What is wrong with a value, or with an item of several choices.
+    pub(super) fn problem(&self, value: &Value, unit: &str) -> Option<KeyError> {
+        let list = |is_good: &dyn Fn(&Node) -> bool| value.list().filter(|items| items.iter().all(is_good));
+        let is_scalar =
+            |item: &Node| !matches!(item.value, Value::Date(_) | Value::Array(_) | Value::Table(_));
+        // Whether the value is allowed; `None` if it is of another type.
+        let is_allowed = match self {
+            Self::Number(range) => value.number().map(|number| range.contains(number)),
+            Self::WholeNumber { low, high } => {
+                let is_within = |number: i64| (*low..=*high).contains(&number.into());
+                value.whole_number().map(|number| number.is_some_and(is_within))
+            }
+            Self::Text { .. } => value.text().map(|_| true),
+            Self::Texts { .. } => list(&|item| item.text().is_some()).map(|_| true),
+            Self::Values => list(&is_scalar).filter(|items| !items.is_empty()).map(|_| true),
+            Self::Choice(choices) | Self::Choices(choices) => {
+                value.text().map(|text| choices.iter().any(|choice| choice.name == text))
+            }
+            Self::Section(_) | Self::Sections(_) => Some(true),
+        };
+        if is_allowed == Some(true) {
+            return None;
+        }
+        let found = value.to_string();
+        let comma = value.text().filter(|_| self.is_number()).and_then(decimal_point);
+        Some(match (self, comma) {
+            (_, Some(written)) => {
+                KeyError::Rejected { found, reason: format!("has a decimal comma; write {written}") }
+            }
+            _ if is_allowed.is_none() => {
+                KeyError::WrongType { found, kind: value.kind(), allowed: self.allowed(unit) }
+            }
+            (Self::Choice(_) | Self::Choices(_), _) => {
+                KeyError::NotAChoice { found, allowed: self.allowed(unit) }
+            }
+            _ => KeyError::OutOfRange { found, allowed: self.range(unit) },
+        })
+    }
+
+    /// The value of a faulty key until the document is rejected.
+    pub(super) fn stand_in(&self) -> Value {
+        match self {
+            Self::Number(_) => Value::Float(f64::NAN),
+            Self::WholeNumber { low, .. } => Value::Integer(i64::try_from(*low).unwrap_or_default()),
+            Self::Text { .. } => Value::Text(String::new()),
+            Self::Choice(choices) => Value::Text(choices.first().map_or("", |choice| choice.name).to_owned()),
+            _ => Value::Array(Vec::new()),
+        }
+    }
 }
 
 /// A name that a key takes.
@@ -75,6 +157,8 @@ pub struct Keys {
     pub further: Further,
     /// Keys that depend on a choice.
     pub selectors: Vec<Selector>,
+    /// Symbols of the paper, each with its key.
+    pub symbols: &'static [(&'static str, &'static str)],
 }
 
 /// Keys of a section that the reader doesn't declare.
@@ -96,9 +180,18 @@ pub struct Selector {
     pub key: &'static str,
     /// Each name of the choice with the keys that it adds.
     pub variants: Vec<(&'static str, Keys)>,
+    /// Whether the error for a key of another name says whose key it is.
+    pub names_owner: bool,
 }
 
 impl Keys {
+    /// The keys that `declare` adds.
+    pub fn of(declare: impl FnOnce(&mut Self)) -> Self {
+        let mut keys = Self::default();
+        declare(&mut keys);
+        keys
+    }
+
     /// Whether a scenario must have this section: one of its keys is required.
     #[must_use]
     pub fn is_required(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Scenarios: the run, its plant, the drive's settings, and the expected results.
 //!
 //! ```text
-//! file ──▶ tree (values with origins) ──▶ overrides of the command line ──▶ former names ──▶ reader ──▶ Scenario
+//! file ──▶ tree (values with origins) ──▶ overrides of the command line ──▶ reader ──▶ Scenario
 //! ```
 //!
 //! A scenario is a TOML file. Every key has its unit in its name, and every number has a range. An unknown key is rejected,
@@ -24,15 +24,14 @@ pub mod bench;
 pub mod cases;
 mod catalogue;
 pub mod controller;
+pub mod declare;
 pub mod environment;
 mod error;
 pub mod expectation;
 pub mod fault;
 mod file;
-mod former_names;
 pub mod key;
 mod key_error;
-mod keys;
 mod origin;
 mod overrides;
 pub mod plant;
@@ -54,78 +53,97 @@ use std::path::Path;
 
 use serde::Serialize;
 
+pub use self::declare::Scalar;
 pub use self::error::{ScenarioError, ScenarioErrors};
-pub use self::former_names::present_law;
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
-pub use self::reader::{Scalar, Section};
+pub use self::reader::Section;
 pub use self::run_mode::RunMode;
 pub use self::traps::Trap;
 
 use self::bench::BenchSettings;
-use self::catalogue::Catalogue;
 use self::controller::ControllerSettings;
+use self::declare::{Field, any_text, choices, plain, section, sections, skipped, text};
 use self::expectation::{Expectation, PlannedRun};
 use self::fault::InjectedFault;
 use self::key::Keys;
 use self::plant::PlantSettings;
+use self::reference::ReferenceKeys;
 use self::sections::{
     Allowance, EncoderSettings, LineSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
+use self::sweep::Sweep;
 use self::tables::{GivenTables, Tables};
-use self::traps::{Facts, Meant, Nominal};
+use self::traps::{Facts, Nominal};
 use self::tree::Table;
+use crate::settings;
 use lashloop_plant::Plants;
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::reference::Reference;
 
-/// A scenario in which every key has a value in its allowed range.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Scenario {
+/// What a scenario is read with.
+#[derive(Clone, Copy)]
+struct ReadWith<'a> {
     /// The file as the user named it.
-    #[serde(skip)]
-    pub name: String,
-    /// One line for lists and reports.
-    pub title: String,
-    /// What the scenario shows, at any length.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub description: Option<String>,
-    /// Traps that are meant.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub meant: Vec<Trap>,
-    /// Duration, control period and seed.
-    pub run: RunSettings,
-    /// The plant.
-    pub plant: PlantSettings,
-    /// Resolution and noise of the encoders.
-    pub encoders: EncoderSettings,
-    /// The law and its parameters.
-    pub controller: ControllerSettings,
-    /// Encoders and power stage at the drive's pins, in bench mode.
-    #[serde(skip_serializing_if = "BenchSettings::is_empty")]
-    pub bench: BenchSettings,
-    /// The commanded position.
-    pub reference: Reference,
-    /// The modelled line from the law to the motor.
-    pub line: LineSettings,
-    /// Timeouts and line speed.
-    pub link: LinkSettings,
-    /// Losses that don't invalidate the run.
-    pub allow: Allowance,
-    /// Signals and rate of the drive's telemetry.
-    pub telemetry: TelemetrySettings,
-    /// How the record is written.
-    pub record: RecordSettings,
-    /// Faults to inject.
-    #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
-    pub faults: Vec<InjectedFault>,
-    /// Bounds on metrics.
-    #[serde(rename = "expect")]
-    pub expectations: Vec<Expectation>,
-    /// What the drive's defaults have to equal.
-    #[serde(skip)]
-    nominal: Nominal,
+    name: &'a str,
+    plants: &'a Plants,
+    tables: Tables<'a>,
+}
+
+settings! {
+    /// A scenario in which every key has a value in its allowed range.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct Scenario with(with: ReadWith<'_>) {
+        /// The file as the user named it.
+        #[serde(skip)]
+        pub name: String = skipped(|_| with.name.to_owned()),
+        /// One line for lists and reports.
+        pub title: String = text("a text in quotes"),
+        /// What the scenario shows, at any length.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub description: Option<String> = any_text(),
+        /// Traps that are meant. Without its entry, a trap is an error before the run; an entry that the file doesn't need
+        /// is an error too.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        pub meant: Vec<Trap> = choices().map(traps::check_meant),
+        /// Duration, control period and seed.
+        pub run: RunSettings = section(RunSettings::checked),
+        /// The mechanics: load, motor, and what is between them.
+        pub plant: PlantSettings = plant::field(with.plants, with.tables.directory),
+        /// Resolution and noise of the encoders.
+        pub encoders: EncoderSettings = section(plain),
+        /// The drive's control law and parameters.
+        pub controller: ControllerSettings = section(plain),
+        /// Encoders and power stage at the drive's pins, as parameters of the drive. In HIL mode the section has no effect;
+        /// an absent key keeps the drive's default.
+        #[serde(skip_serializing_if = "BenchSettings::is_empty")]
+        pub bench: BenchSettings = section(plain),
+        /// The commanded load position.
+        pub reference: Reference = section(|keys: ReferenceKeys, section| keys.reference(section, with.tables)),
+        /// A modelled line from the law to the motor, in the plant's time. It repeats bit for bit, unlike a real line.
+        pub line: LineSettings = section(plain),
+        /// Timeouts and line speed.
+        pub link: LinkSettings = section(LinkSettings::checked),
+        /// Limits beyond which a run is INVALID, because it doesn't judge the drive.
+        pub allow: Allowance = section(plain),
+        /// Telemetry of the drive.
+        pub telemetry: TelemetrySettings = section(plain),
+        /// How the record is written.
+        pub record: RecordSettings = section(plain),
+        /// A fault to inject; [faults.md](faults.md) has what each kind does and how it is detected.
+        #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
+        pub faults as "fault": Vec<InjectedFault> = sections(InjectedFault::checked),
+        /// Bounds on a metric that the run must meet to pass.
+        #[serde(rename = "expect")]
+        pub expectations as "expect": Vec<Expectation> = sections(Expectation::checked),
+        /// Cases of `lashloop test`; [suites.md](suites.md) has examples. Other commands reject a scenario with a sweep.
+        #[serde(skip)]
+        sweep: () = section(Sweep::rejected),
+        /// What the drive's defaults have to equal.
+        #[serde(skip)]
+        nominal: Nominal = skipped(|_| Nominal::default()),
+    }
 }
 
 impl Scenario {
@@ -168,7 +186,7 @@ impl Scenario {
         overrides: &[Override],
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
-        let known = Self::catalogue(plants);
+        let known = || Self::keys_with(plants);
         let (tree, errors) = overrides::read_tree(&name.into(), text, overrides, &known)?;
         Self::from_tree(name, tree, errors, !overrides.is_empty(), plants, &GivenTables::new())
     }
@@ -176,35 +194,52 @@ impl Scenario {
     /// Reads a document. `errors` are those found before; `is_overridden` means that values differ from the file.
     fn from_tree(
         name: &str,
-        mut tree: Table,
+        tree: Table,
         mut errors: Vec<ScenarioError>,
         is_overridden: bool,
         plants: &Plants,
         given: &GivenTables,
     ) -> Result<Self, ScenarioErrors> {
-        former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file: name.into(), line: 1, column: 1 };
-        let tables = Tables { directory, given };
-        let document = reader::read_document(&tree, start, |root| read(root, name, tables, plants));
-        let (mut scenario, meant) = document.result;
+        let with = ReadWith { name, plants, tables: Tables { directory, given } };
+        let declare = |keys: &mut Keys| Self::declare(keys, with);
+        let document = reader::read_document(&tree, start, &declare, |root| {
+            let scenario = Self::read(root, with);
+            scenario.check(root, plants);
+            scenario
+        });
+        let mut scenario = document.result;
         errors.extend(document.errors);
         if errors.is_empty() {
             let facts = Facts {
-                keys: &document.keys,
+                tree: &tree,
+                numbers: &document.numbers,
                 reference: &scenario.reference,
                 parameters: &scenario.controller.parameters,
                 is_overridden,
             };
-            errors = traps::check(&facts, &meant);
+            errors = traps::check(&facts, &scenario.meant);
             errors.extend(expectation::unmeasurable(&scenario.planned_run(), None));
             scenario.nominal = Nominal::new(&facts);
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
     }
 
-    /// Compares the plant with the drive's own parameters: ratio, gap and inertias, as far as `[controller.parameters]` leaves
-    /// them to the drive. `default_of` gives the default of the drive's parameter of a name; `None` if the drive, or the law
+    /// Reports what sections rule out in others.
+    fn check(&self, root: &Section<'_>, plants: &Plants) {
+        if !self.run.mode.is_hil() {
+            bench::check(root, &self.plant, &self.encoders, &self.line, &self.link);
+        }
+        for (fault, inside) in self.faults.iter().zip(root.each_inside("fault")) {
+            fault.check_run(&inside, &self.plant.model, plants, &self.run);
+        }
+    }
+
+    /// Compares the plant with the drive's own parameters: ratio, gap and inertias, as far as `[controller.parameters]`
+    /// leaves
+    /// them to the drive. `default_of` gives the default of the drive's parameter of a name; `None` if the drive, or the
+    /// law
     /// in force, has no such parameter.
     ///
     /// # Errors
@@ -246,13 +281,8 @@ impl Scenario {
     /// As [`keys`](Self::keys), with these plant models to choose from.
     #[must_use]
     pub fn keys_with(plants: &Plants) -> Keys {
-        Self::catalogue(plants).all()
-    }
-
-    fn catalogue(plants: &Plants) -> Catalogue<'_> {
-        Catalogue::new(|root| {
-            read(root, "", Tables { directory: Path::new(""), given: &GivenTables::new() }, plants);
-        })
+        let tables = Tables { directory: Path::new(""), given: &GivenTables::new() };
+        Keys::of(|keys| Self::declare(keys, ReadWith { name: "", plants, tables }))
     }
 
     /// The scenario as a file with every default written out. It reads back as the same scenario, except that the path of a
@@ -263,89 +293,4 @@ impl Scenario {
     pub fn to_toml(&self) -> Result<String, toml_edit::ser::Error> {
         toml_edit::ser::to_string_pretty(self)
     }
-}
-
-fn read(root: &mut Section<'_>, name: &str, tables: Tables<'_>, plants: &Plants) -> (Scenario, Meant) {
-    let title = root.doc("One line for lists and reports.").text("title", Some("a text in quotes"));
-    let description = root.doc("What the scenario shows, at any length.").text("description", None);
-    let meant = traps::read_meant(root);
-    let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
-    let plant =
-        root.doc("The mechanics: load, motor, and what is between them.").section("plant", |section| {
-            let plant = plant::read(section, plants, tables.directory);
-            if !run.mode.is_hil() {
-                bench::check_plant(section, &plant);
-            }
-            plant
-        });
-    let encoders = root.doc("Resolution and noise of the encoders.").section("encoders", |section| {
-        let encoders = EncoderSettings::read(section);
-        if !run.mode.is_hil() {
-            bench::check_encoders(section, &encoders);
-        }
-        encoders
-    });
-    let controller =
-        root.doc("The drive's control law and parameters.").section("controller", controller::read);
-    let bench = root
-        .doc("Encoders and power stage at the drive's pins, as parameters of the drive. In HIL mode the section has no effect; an absent key keeps the drive's default.")
-        .section("bench", bench::read);
-    let reference = root
-        .doc("The commanded load position.")
-        .section("reference", |section| reference::read(section, tables));
-    let link = root.doc("Timeouts and line speed.").section("link", |section| {
-        let link = sections::read_link(section);
-        if !run.mode.is_hil() {
-            bench::check_link(section, &link);
-        }
-        link
-    });
-    let line = root
-        .doc("A modelled line from the law to the motor, in the plant's time. It repeats bit for bit, unlike a real line.")
-        .section("line", |section| {
-            let line = LineSettings::read(section);
-            if !run.mode.is_hil() {
-                bench::check_line(section, &line);
-            }
-            line
-        });
-    let allow = root
-        .doc("Limits beyond which a run is INVALID, because it doesn't judge the drive.")
-        .section("allow", Allowance::read);
-    let telemetry = root.doc("Telemetry of the drive.").section("telemetry", TelemetrySettings::read);
-    let record = root.doc("How the record is written.").section("record", RecordSettings::read);
-    let faults = root
-        .doc("A fault to inject; [faults.md](faults.md) has what each kind does and how it is detected.")
-        .sections("fault", |section| fault::read(section, &plant.model, plants, &run));
-    let expectations =
-        root.doc("Bounds on a metric that the run must meet to pass.").sections("expect", expectation::read);
-    let sweep = root
-        .doc("Cases of `lashloop test`; [suites.md](suites.md) has examples. Other commands reject a scenario with a sweep.")
-        .section("sweep", sweep::read);
-    if let Some(node) = root.node("sweep") {
-        let reason = "cases of a sweep are run by `lashloop test`; for another command remove the section";
-        let (found, reason) = (sweep.count().to_string(), reason.to_owned());
-        root.error("sweep", node, KeyError::Rejected { found, reason });
-    }
-    let scenario = Scenario {
-        name: name.to_owned(),
-        title: title.unwrap_or_default().to_owned(),
-        description: description.map(str::to_owned),
-        meant: meant.iter().map(|(trap, _)| *trap).collect(),
-        run,
-        plant,
-        encoders,
-        controller,
-        bench,
-        reference,
-        line,
-        link,
-        allow,
-        telemetry,
-        record,
-        faults,
-        expectations,
-        nominal: Nominal::default(),
-    };
-    (scenario, meant)
 }

@@ -7,9 +7,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::catalogue::Catalogue;
 use super::error::ScenarioError;
 use super::file::without_mark;
+use super::key::Keys;
 use super::origin::Origin;
 use super::spelling::spell_key;
 use super::tree::{Node, Table, Value, parse_file, parse_value};
@@ -39,8 +39,8 @@ impl fmt::Display for Override {
 }
 
 impl Override {
-    /// Replaces or adds the value in `root`. The reader rejects unknown keys. `known` are those that it reads.
-    pub(super) fn apply(&self, root: &mut Table, known: &Catalogue<'_>) -> Result<(), ScenarioError> {
+    /// Replaces or adds the value in `root`. The reader rejects unknown keys. `known` gives those that it reads.
+    pub(super) fn apply(&self, root: &mut Table, known: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {
@@ -54,7 +54,7 @@ impl Override {
         let placed = value.and_then(|value| {
             let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_';
             if root.get(path).is_none() && !path.is_empty() && path.chars().all(is_bare) {
-                needs_no_section(path, known)?;
+                needs_no_section(path, &known())?;
             }
             place(root, path, Node { origin, value })
         });
@@ -67,7 +67,7 @@ pub(super) fn read_tree(
     file: &Arc<str>,
     text: &str,
     overrides: &[Override],
-    known: &Catalogue<'_>,
+    known: &dyn Fn() -> Keys,
 ) -> Result<(Table, Vec<ScenarioError>), ScenarioError> {
     let mut tree = parse_file(file, without_mark(text))?;
     let errors = overrides.iter().filter_map(|option| option.apply(&mut tree, known).err()).collect();
@@ -75,16 +75,15 @@ pub(super) fn read_tree(
 }
 
 /// A key without a section must be one of the few keys that have none.
-fn needs_no_section(key: &str, known: &Catalogue<'_>) -> Result<(), String> {
+fn needs_no_section(key: &str, known: &Keys) -> Result<(), String> {
     /// Similarity, 0 to 1, from which on a key counts as a misspelling, which the reader reports.
     const MISSPELLED: f64 = 0.6;
     let similar = |known: &str| strsim::normalized_damerau_levenshtein(known, key) >= MISSPELLED;
-    if known.has_at_its_top(key) {
+    if known.keys.iter().any(|known| known.name == key) {
         return Ok(());
     }
-    let keys = known.all();
-    let paths = keys.paths_of(key);
-    if paths.is_empty() && keys.keys.iter().any(|known| similar(known.name)) {
+    let paths = known.paths_of(key);
+    if paths.is_empty() && known.keys.iter().any(|known| similar(known.name)) {
         return Ok(());
     }
     let parameter = format!("controller.parameters.{}", spell_key(key));
@@ -133,20 +132,6 @@ pub(super) fn place(root: &mut Table, path: &str, node: Node) -> Result<(), Stri
     }
     table.insert(key, node);
     Ok(())
-}
-
-/// The value at a path.
-pub(super) fn find<'a>(root: &'a Table, path: &str) -> Option<&'a Node> {
-    let mut steps = path.split('.');
-    let mut node = root.get(steps.next()?)?;
-    for step in steps {
-        node = match &node.value {
-            Value::Table(table) => table.get(step)?,
-            Value::Array(items) => items.get(step.parse::<usize>().ok()?)?,
-            _ => return None,
-        };
-    }
-    Some(node)
 }
 
 fn no_such_item(name: &str, index: &str, count: usize) -> String {

@@ -11,11 +11,13 @@ use lashloop_plant::{Plant, PlantError, PlantModel, PlantValue, PlantValues, Pla
 use lashloop_plant::{TORQUE_DELAY_US, smooth};
 use serde::{Serialize, Serializer};
 
-use super::environment::{self, EnvironmentSettings};
-use super::key::Choice;
+use super::declare::{Field, Settings, Single, declare, name_of, number, plain, section, section_of};
+use super::environment::EnvironmentSettings;
+use super::key::{Choice, Keys, Selector};
 use super::plant_keys;
 use super::reader::Section;
 use crate::process_plant;
+use crate::settings;
 
 /// The plant of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -90,43 +92,65 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("f_m", "motor_friction_nm_s_rad"),
 ];
 
-pub(super) fn read(plant: &mut Section<'_>, plants: &Plants, folder: &Path) -> PlantSettings {
-    let folder = folder.to_owned();
-    plant.symbols(SYMBOLS);
-    let names: Vec<_> = plants.iter().map(|model| (model.name(), model)).collect();
-    let docs = plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect();
-    let model = plant.doc("Model of the plant.").choice_docs(docs).choice("model", None, &names);
-    let Some(model) = model else {
-        // The known keys depend on a choice that is faulty itself. Most plants have those of the smooth one.
-        let stand_in = Arc::new(smooth::model());
-        let values = plant_keys::read(plant, stand_in.keys());
-        plant.accept_the_rest();
-        let initial = read_initial(plant);
-        return PlantSettings { model: stand_in, values, environment: None, initial, folder };
-    };
-    let values = plant_keys::read(plant, model.keys());
-    let environment = model.changes().environment.then(|| environment::read(plant));
-    // A key of another model is an error that names the model.
-    for other in plants.iter().filter(|other| *other != model) {
-        plant.belongs_to("model", other.name(), model.name(), |section| {
-            plant_keys::read(section, other.keys());
-            if other.changes().environment {
-                environment::read(section);
-            }
-        });
+settings! {
+    /// What every model has.
+    struct Common {
+        /// Positions and velocities at time 0.
+        initial: Start = section(plain),
     }
-    PlantSettings { model: Arc::clone(model), values, environment, initial: read_initial(plant), folder }
 }
 
-/// The default is the paper's start at rest.
-fn read_initial(plant: &mut Section<'_>) -> Start {
-    plant.doc("Positions and velocities at time 0.").section("initial", |initial| {
-        let mut number = |doc, key, default| initial.doc(doc).number(key, default, -1e4..=1e4);
-        Start {
-            load_position_rad: number("Position of the load.", "load_position_rad", FRAC_PI_2),
-            load_velocity_rad_s: number("Velocity of the load.", "load_velocity_rad_s", 0.0),
-            motor_position_rad: number("Position of the motor.", "motor_position_rad", 3.0 * FRAC_PI_2),
-            motor_velocity_rad_s: number("Velocity of the motor.", "motor_velocity_rad_s", 0.0),
-        }
-    })
+settings! {
+    /// The default is the paper's start at rest.
+    impl Start {
+        /// Position of the load.
+        load_position_rad: f64 = number(-1e4..=1e4).or(FRAC_PI_2),
+        /// Velocity of the load.
+        load_velocity_rad_s: f64 = number(-1e4..=1e4).or(0.0),
+        /// Position of the motor.
+        motor_position_rad: f64 = number(-1e4..=1e4).or(3.0 * FRAC_PI_2),
+        /// Velocity of the motor.
+        motor_velocity_rad_s: f64 = number(-1e4..=1e4).or(0.0),
+    }
+}
+
+/// `[plant]` with these models to choose from.
+pub(super) fn field<'a>(plants: &'a Plants, folder: &'a Path) -> impl Field<Value = PlantSettings> + 'a {
+    section_of(|keys| declare_keys(plants, keys), |plant| read(plant, plants, folder))
+}
+
+fn models(plants: &Plants) -> Single<String> {
+    name_of(plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect())
+}
+
+fn declare_keys(plants: &Plants, keys: &mut Keys) {
+    keys.symbols = SYMBOLS;
+    declare(&models(plants), "model", "Model of the plant.", keys);
+    Common::declare(keys);
+    let variant = |model: &Arc<PlantModel>| {
+        let keys = Keys::of(|keys| {
+            plant_keys::declare(model.keys(), keys);
+            if model.changes().environment {
+                EnvironmentSettings::declare(keys);
+            }
+        });
+        (model.name(), keys)
+    };
+    let variants = plants.iter().map(variant).collect();
+    keys.selectors.push(Selector { key: "model", variants, names_owner: true });
+}
+
+fn read(plant: &mut Section<'_>, plants: &Plants, folder: &Path) -> PlantSettings {
+    let chosen = models(plants).find("model", plant);
+    let chosen = chosen.and_then(|name| plants.iter().find(|model| model.name() == name));
+    let model = chosen.cloned().unwrap_or_else(|| {
+        // The known keys depend on a choice that is faulty itself. Most plants have those of the smooth one.
+        plant.accept_the_rest();
+        Arc::new(smooth::model())
+    });
+    let values = plant_keys::read(plant, model.keys());
+    let has_environment = chosen.is_some_and(|model| model.changes().environment);
+    let environment = has_environment.then(|| EnvironmentSettings::read(plant));
+    let initial = Common::read(plant).initial;
+    PlantSettings { model, values, environment, initial, folder: folder.to_owned() }
 }

@@ -1,25 +1,38 @@
-//! Reads the keys that a plant model declares.
+//! The keys that a plant model declares.
 
 use lashloop_plant::{Key, KeyKind, PlantValue, PlantValues};
 
-use super::key::Further;
+use super::declare::{Field, any_text, integer, name_of, number, section_of, texts};
+use super::key::{Choice, Further, Keys, Selector};
 use super::reader::Section;
 use super::spelling::with_unit;
 use super::tree::{Node, Value};
+
+/// Adds the keys of a model.
+pub(super) fn declare(model: &[Key], keys: &mut Keys) {
+    let declare =
+        |key: &Key, keys: &mut Keys| with_field(key, |field| field.declare(key.name, key.meaning, keys));
+    for key in model.iter().filter(|key| key.only_with.is_none()) {
+        declare(key, keys);
+        let KeyKind::Choice(names) = key.kind else { continue };
+        let added = |name| model.iter().filter(move |other| other.only_with == Some((key.name, name)));
+        if names.iter().any(|name| added(*name).next().is_some()) {
+            let variant = |name: &&'static str| {
+                (*name, Keys::of(|keys| added(*name).for_each(|other| declare(other, keys))))
+            };
+            let variants = names.iter().map(variant).collect();
+            keys.selectors.push(Selector { key: key.name, variants, names_owner: true });
+        }
+    }
+}
 
 /// Reads the values of `keys`, each with its default if it is absent.
 pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
     let mut values = PlantValues::default();
     for key in keys {
-        match key.only_with {
-            Some((choice, owner)) => match values.text(choice) {
-                Ok(chosen) if chosen != owner => {
-                    let chosen = chosen.to_owned();
-                    plant.belongs_to(choice, owner, &chosen, |section| read_value(section, key));
-                }
-                _ => values.insert(key.name, read_value(plant, key)),
-            },
-            None => values.insert(key.name, read_value(plant, key)),
+        let is_other = |(choice, owner)| values.text(choice).is_ok_and(|chosen| chosen != owner);
+        if !key.only_with.is_some_and(is_other) {
+            values.insert(key.name, with_field(key, |field| field.read(key.name, plant)));
         }
     }
     for key in keys {
@@ -30,35 +43,36 @@ pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
     values
 }
 
-fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
-    plant.doc(key.meaning).unit(key.unit);
+/// Calls `use_it` with the key as a field.
+fn with_field<T>(key: &Key, use_it: impl FnOnce(&dyn Field<Value = PlantValue>) -> T) -> T {
     match &key.kind {
         KeyKind::Number { default, range } => {
-            PlantValue::Number(plant.number(key.name, *default, range.clone()))
+            let number = number(range.clone()).in_unit(key.unit).with_default(*default);
+            use_it(&number.map(|number, _| PlantValue::Number(number)))
         }
         KeyKind::Integer { default, range } => {
-            PlantValue::Integer(plant.integer(key.name, *default, range.clone()).into())
+            let number = integer(range.clone()).in_unit(key.unit).with_default(*default);
+            use_it(&number.map(|number, _| PlantValue::Integer(number.into())))
         }
         KeyKind::Choice(names) => {
-            let default = names.first().copied();
-            let choices: Vec<_> = names.iter().map(|name| (*name, *name)).collect();
-            let chosen = plant.choice(key.name, default, &choices).or(default);
-            PlantValue::Text(chosen.unwrap_or_default().to_owned())
+            let choices = names.iter().map(|name| Choice { name, doc: "" }).collect();
+            let default = names.first().map(|name| (*name).to_owned());
+            use_it(&name_of(choices).with_default(default).map(|name, _| PlantValue::Text(name)))
         }
-        KeyKind::Text => PlantValue::Text(plant.text(key.name, None).map(str::to_owned).unwrap_or_default()),
-        KeyKind::Texts => {
-            let texts = plant.texts(key.name, Some("a list of texts in quotes, at least one"));
-            if texts.as_ref().is_some_and(Vec::is_empty) {
-                plant.reject(key.name, "is empty; it must have at least one text".to_owned());
+        KeyKind::Text => use_it(&any_text().map(|text, _| PlantValue::Text(text.unwrap_or_default()))),
+        KeyKind::Texts => use_it(&texts("a list of texts in quotes, at least one").map(|texts, plant| {
+            if texts.is_empty() {
+                plant.reject(key.name, "is empty; it must have at least one text");
             }
-            let texts = texts.unwrap_or_default();
-            PlantValue::List(texts.into_iter().map(|text| PlantValue::Text(text.to_owned())).collect())
+            PlantValue::List(texts.into_iter().map(PlantValue::Text).collect())
+        })),
+        // It is passed on as it is.
+        KeyKind::Table => {
+            use_it(&section_of(|keys| keys.further = Further::Anything, |table| free(table.all())))
         }
-        KeyKind::Table => plant.section(key.name, |section| free(section.all(Further::Anything))),
     }
 }
 
-/// A table that is passed on as it is.
 fn free<'a>(entries: impl Iterator<Item = (&'a str, &'a Node)>) -> PlantValue {
     PlantValue::Table(entries.map(|(name, node)| (name.to_owned(), free_value(&node.value))).collect())
 }
@@ -79,7 +93,7 @@ fn free_value(value: &Value) -> PlantValue {
 fn check_order(plant: &Section<'_>, key: &Key, least: &'static str, values: &PlantValues) {
     let (Ok(more), Ok(less)) = (values.number(key.name), values.number(least)) else { return };
     let bound = |number: f64| with_unit(number.to_string(), key.unit);
-    if more < less && plant.node(key.name).is_some() {
+    if more < less && plant.has(key.name) {
         plant.reject(key.name, format!("is less than {least}; it must be >= {}", bound(less)));
     } else if more < less {
         plant.reject(least, format!("is more than {}; it must be <= {}", key.name, bound(more)));

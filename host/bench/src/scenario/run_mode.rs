@@ -1,19 +1,19 @@
 //! `run.mode`: where the samples of a run come from, and where its torques go.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::key::Choice;
-use super::reader::Section;
+use crate::settings;
 
-/// Where the samples of a run come from, and where its torques go.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RunMode {
-    /// The bench simulates the plant: samples to the drive, torques from it.
-    #[default]
-    Hil,
-    /// The drive reads its own encoders and commands its power stage; the bench sends references and judges the reports.
-    Bench,
+settings! {
+    /// Where the samples of a run come from, and where its torques go.
+    #[derive(Default, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum RunMode {
+        /// the bench simulates the plant and exchanges samples for torques
+        default "hil" => Hil,
+        /// the drive reads its own encoders and commands its power stage
+        "bench" => Bench,
+    }
 }
 
 impl RunMode {
@@ -22,14 +22,4 @@ impl RunMode {
     pub fn is_hil(&self) -> bool {
         *self == Self::Hil
     }
-}
-
-pub(super) fn read(run: &mut Section<'_>, key: &'static str) -> RunMode {
-    let choice = |name, doc| Choice { name, doc };
-    let meanings = vec![
-        choice("hil", "the bench simulates the plant and exchanges samples for torques"),
-        choice("bench", "the drive reads its own encoders and commands its power stage"),
-    ];
-    let choices = [("hil", RunMode::Hil), ("bench", RunMode::Bench)];
-    run.choice_docs(meanings).choice(key, RunMode::Hil, &choices).unwrap_or_default()
 }

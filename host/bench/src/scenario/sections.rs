@@ -5,28 +5,31 @@ use std::time::Duration;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use serde::Serialize;
 
-use super::keys::{integer_or, number, number_or, optional_integer, settings};
+use super::declare::{Field, choice, integer, number, placed_texts};
 use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
-use super::run_mode::{self, RunMode};
+use super::run_mode::RunMode;
+use super::tree::Node;
+use crate::settings;
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
 
 settings! {
     /// `[run]`.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct RunSettings {
         /// What closes the loop: the bench with a simulated plant, or the drive with its own pins.
-        mode: RunMode = run_mode::read,
+        pub mode: RunMode = choice().or(RunMode::Hil),
         /// Time of the run; simulated in HIL mode.
-        duration_s: f64 = number(positive(1e5)),
+        pub duration_s: f64 = number(positive(1e5)),
         /// Control period.
-        control_period_us: u32 = integer_or(1000, 100..=100_000),
+        pub control_period_us: u32 = integer(100..=100_000).or(1000),
         /// Seed of every random stream of the run.
-        seed: u64 = integer_or(1, 0..=LARGEST),
+        pub seed: u64 = integer(0..=LARGEST).or(1),
         /// Steps at the start that timing statistics omit.
-        warm_up_steps: u32 = integer_or(0, 0..=u32::MAX),
+        pub warm_up_steps: u32 = integer(0..=u32::MAX).or(0),
     }
 }
 
@@ -49,36 +52,37 @@ impl RunSettings {
         // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a step number holds it.
         (time_s * 1e6 / f64::from(self.control_period_us)).round() as u32
     }
-}
 
-pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
-    let settings = RunSettings::read(run);
-    let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
-    // A run without a step to judge would meet every limit.
-    if settings.warm_up_steps > 0 && duration_s >= period_s && settings.warm_up_steps >= settings.steps() {
-        let reason = format!("leaves no step to judge; the run has {} steps", settings.steps());
-        run.reject("warm_up_steps", reason);
+    pub(super) fn checked(self, run: &mut Section<'_>) -> Self {
+        let (duration_s, period_s) = (self.duration_s, self.control_period_s());
+        // A run without a step to judge would meet every limit.
+        if self.warm_up_steps > 0 && duration_s >= period_s && self.warm_up_steps >= self.steps() {
+            let reason = format!("leaves no step to judge; the run has {} steps", self.steps());
+            run.reject("warm_up_steps", reason);
+        }
+        if duration_s < period_s && run.is_option("control_period_us") {
+            let longest = duration_s * 1e6;
+            run.reject("control_period_us", format!("is longer than the run; it must be <= {longest} us"));
+        } else if duration_s < period_s {
+            run.reject(
+                "duration_s",
+                format!("is shorter than one control period; it must be >= {period_s} s"),
+            );
+        }
+        self
     }
-    if duration_s < period_s && run.is_option("control_period_us") {
-        run.reject(
-            "control_period_us",
-            format!("is longer than the run; it must be <= {} us", duration_s * 1e6),
-        );
-    } else if duration_s < period_s {
-        run.reject("duration_s", format!("is shorter than one control period; it must be >= {period_s} s"));
-    }
-    settings
 }
 
 settings! {
     /// `[line]`: a line between the law and the motor, in the plant's time.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct LineSettings {
         /// Constant delay of every torque, from its sample to the motor, in addition to the plant's own.
-        delay_us: u32 = integer_or(0, 0..=LONGEST_DELAY_US),
+        pub delay_us: u32 = integer(0..=LONGEST_DELAY_US).or(0),
         /// Upper end of a uniform random part of the delay. Torques keep their order.
-        jitter_us: u32 = integer_or(0, 0..=LONGEST_DELAY_US),
+        pub jitter_us: u32 = integer(0..=LONGEST_DELAY_US).or(0),
         /// Fraction of torques that never arrive. The motor holds the last one.
-        loss: f64 = number_or(0.0, 0.0..=1.0),
+        pub loss: f64 = number(0.0..=1.0).or(0.0),
     }
 }
 
@@ -87,45 +91,47 @@ const LONGEST_DELAY_US: u32 = 1_000_000;
 
 settings! {
     /// `[encoders]`.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct EncoderSettings {
         /// Counts per revolution of the motor, after quadrature.
-        motor_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
+        pub motor_counts_per_rev: u32 = integer(MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV).or(131_072),
         /// Counts per revolution of the load, after quadrature.
-        load_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
+        pub load_counts_per_rev: u32 = integer(MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV).or(131_072),
         /// Amplitude of the noise added before counting, uniform within +- this.
-        noise_counts: f64 = number_or(0.0, 0.0..=MAX_NOISE_COUNTS),
+        pub noise_counts: f64 = number(0.0..=MAX_NOISE_COUNTS).or(0.0),
     }
 }
 
 settings! {
     /// `[link]`.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct LinkSettings {
         /// Time the bench waits for one answer. Serial ports have timeouts in tenths of a second.
-        answer_timeout_ms: u32 = integer_or(1000, 100..=30_000),
+        pub answer_timeout_ms: u32 = integer(100..=30_000).or(1000),
         /// Mean time for which a lockstep run waits for an answer, after 10 s for all. A slower drive ends the run with exit
         /// code 4.
-        mean_wait_ms: u32 = integer_or(100, 1..=30_000),
+        pub mean_wait_ms: u32 = integer(1..=30_000).or(100),
         /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog.
-        silence_limit_ms: u32 = integer_or(2500, 100..=60_000),
+        pub silence_limit_ms: u32 = integer(100..=60_000).or(2500),
         /// Speed of a serial port. Other links ignore it.
-        baud: u32 = integer_or(921_600, 1200..=12_000_000),
+        pub baud: u32 = integer(1200..=12_000_000).or(921_600),
         /// Speed of the modelled UART, from 9600; 0 for none.
-        modelled_baud: u32 = integer_or(0, 0..=12_000_000),
+        pub modelled_baud: u32 = integer(0..=12_000_000).or(0),
         /// Reaction to the loss or restart of the drive.
-        on_loss: OnLoss = read_on_loss,
+        pub on_loss: OnLoss = choice().or(OnLoss::End),
         /// Time for which the bench tries to resume.
-        resume_limit_ms: u32 = integer_or(5000, 100..=600_000),
+        pub resume_limit_ms: u32 = integer(100..=600_000).or(5000),
     }
 }
 
-/// Reaction to the loss of the drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OnLoss {
-    /// The run ends.
-    End,
-    /// The bench repeats handshake, set-up, arming and start, and the run resumes. Until then the torque is zero.
-    Resume,
+settings! {
+    /// Reaction to the loss of the drive.
+    pub enum OnLoss {
+        /// The run ends.
+        "end" => End,
+        /// The bench repeats handshake, set-up, arming and start, and the run resumes. Until then the torque is zero.
+        "resume" => Resume,
+    }
 }
 
 /// Slowest modelled UART. On a slower one the handshake takes longer than its timeout.
@@ -161,57 +167,49 @@ impl LinkSettings {
     pub fn modelled_baud(&self) -> Option<u32> {
         (self.modelled_baud > 0).then_some(self.modelled_baud)
     }
-}
 
-fn read_on_loss(link: &mut Section<'_>, key: &'static str) -> OnLoss {
-    let choices = [("end", OnLoss::End), ("resume", OnLoss::Resume)];
-    link.choice(key, OnLoss::End, &choices).unwrap_or(OnLoss::End)
-}
-
-pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
-    let settings = LinkSettings::read(link);
-    if (1..SLOWEST_MODELLED_BAUD).contains(&settings.modelled_baud) {
-        link.reject(
-            "modelled_baud",
-            format!("is too slow; it must be >= {SLOWEST_MODELLED_BAUD} Bd, or 0 for no wire"),
-        );
+    pub(super) fn checked(self, link: &mut Section<'_>) -> Self {
+        if (1..SLOWEST_MODELLED_BAUD).contains(&self.modelled_baud) {
+            let reason = format!("is too slow; it must be >= {SLOWEST_MODELLED_BAUD} Bd, or 0 for no wire");
+            link.reject("modelled_baud", reason);
+        }
+        self
     }
-    settings
 }
 
 settings! {
     /// `[allow]`: limits beyond which a run is INVALID, because it doesn't judge the drive. 0 by default.
-    #[derive(Copy, Default, Eq)]
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
     pub struct Allowance {
         /// Steps without an answer.
-        lost: u64 = integer_or(0, 0..=LARGEST),
+        pub lost: u64 = integer(0..=LARGEST).or(0),
         /// Steps whose answer arrived late; in real time, all steps without an answer by their end.
-        late: u64 = integer_or(0, 0..=LARGEST),
+        pub late: u64 = integer(0..=LARGEST).or(0),
         /// Frames rejected for their checksum.
-        crc_errors: u64 = integer_or(0, 0..=LARGEST),
+        pub crc_errors: u64 = integer(0..=LARGEST).or(0),
         /// Times that a lost drive came back and the run resumed.
-        resumes: u64 = integer_or(0, 0..=LARGEST),
+        pub resumes: u64 = integer(0..=LARGEST).or(0),
         /// Late steps in a row, in real time; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
-        late_in_a_row: Option<u64> = optional_integer(0..=LARGEST),
+        pub late_in_a_row: Option<u64> = integer(0..=LARGEST).optional(),
         /// 99th percentile of the lateness of the bench's wake-ups in real time; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
-        lateness_p99_us: Option<u64> = optional_integer(1..=LARGEST),
+        pub lateness_p99_us: Option<u64> = integer(1..=LARGEST).optional(),
         /// 99th percentile of the round trip; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
-        round_trip_p99_us: Option<u64> = optional_integer(1..=LARGEST),
+        pub round_trip_p99_us: Option<u64> = integer(1..=LARGEST).optional(),
     }
 }
 
 settings! {
     /// `[telemetry]`.
-    #[derive(Eq)]
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
     pub struct TelemetrySettings {
         /// Period of the drive's telemetry in steps; 0 for none.
-        every_steps: u16 = integer_or(10, 0..=u16::MAX),
+        pub every_steps: u16 = integer(0..=u16::MAX).or(10),
         /// Names of the drive's signals to record, 13 at most; absent for all that the law has, as many as fit.
         #[serde(skip_serializing_if = "Option::is_none")]
-        signals: Option<Vec<SignalChoice>> = read_signals,
+        pub signals: Option<Vec<SignalChoice>> = signals(),
     }
 }
 
@@ -226,19 +224,18 @@ pub struct SignalChoice {
     pub origin: Origin,
 }
 
-fn read_signals(telemetry: &mut Section<'_>, key: &'static str) -> Option<Vec<SignalChoice>> {
-    let signals =
-        telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
+fn signals() -> impl Field<Value = Option<Vec<SignalChoice>>> {
+    let texts = placed_texts("a list of the drive's signals, such as [\"load_error_rad\"]").optional();
     let choice =
-        |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
-    Some(signals.into_iter().map(choice).collect())
+        |node: Node| SignalChoice { name: node.text().unwrap_or_default().to_owned(), origin: node.origin };
+    texts.map(move |nodes, _| Some(nodes?.into_iter().map(choice).collect()))
 }
 
 settings! {
     /// `[record]`.
-    #[derive(Eq)]
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
     pub struct RecordSettings {
         /// Rows per chunk written to the record.
-        flush_rows: u32 = integer_or(1000, 1..=1_000_000),
+        pub flush_rows: u32 = integer(1..=1_000_000).or(1000),
     }
 }

@@ -4,27 +4,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::catalogue::Catalogue;
 use super::error::ScenarioErrors;
 use super::key::Keys;
 use super::origin::Origin;
 use super::reader::{Section, read_document};
 use super::{file, tree};
 
-/// Reads a TOML file with the keys that `read` declares. `kind` is what the file is in messages, such as `rig file`.
-///
-/// # Errors
-/// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
-pub fn read<T>(
-    path: &Path,
-    kind: &str,
-    read: impl FnOnce(&mut Section<'_>) -> T,
-) -> Result<T, ScenarioErrors> {
-    let text = file::read(path, kind)?;
-    from_str(&path.to_string_lossy(), &text, read)
-}
-
-/// The text of a file of settings.
+/// The text of a file of settings. `kind` is what the file is in messages, such as `rig file`.
 ///
 /// # Errors
 /// The file can't be read, is larger than 1 MiB, or is no regular file of text in UTF-8.
@@ -32,22 +18,18 @@ pub fn read_text(path: &Path, kind: &str) -> Result<String, ScenarioErrors> {
     Ok(file::read(path, kind)?)
 }
 
-/// Reads a text; `name` is the file's name in errors.
+/// Reads a text with the keys that `declare` declares; `name` is the file's name in errors.
 ///
 /// # Errors
-/// As [`read`], except for reading the file.
+/// The text isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
 pub fn from_str<T>(
     name: &str,
     text: &str,
+    declare: &dyn Fn(&mut Keys),
     read: impl FnOnce(&mut Section<'_>) -> T,
 ) -> Result<T, ScenarioErrors> {
     let file: Arc<str> = name.into();
     let tree = tree::parse_file(&file, file::without_mark(text))?;
-    let document = read_document(&tree, Origin::File { file, line: 1, column: 1 }, read);
+    let document = read_document(&tree, Origin::File { file, line: 1, column: 1 }, declare, read);
     if document.errors.is_empty() { Ok(document.result) } else { Err(document.errors.into()) }
-}
-
-/// Every key that `read` declares, under any choice.
-pub fn keys(read: impl Fn(&mut Section<'_>)) -> Keys {
-    Catalogue::new(read).all()
 }

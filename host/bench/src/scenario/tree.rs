@@ -13,15 +13,15 @@ use super::origin::Origin;
 use super::spelling::{decimal_point, spell_number, spell_text};
 
 /// A value with its origin.
-#[derive(Debug, Clone)]
-pub(super) struct Node {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Node {
     pub(super) origin: Origin,
     pub(super) value: Value,
 }
 
 /// A TOML value.
-#[derive(Debug, Clone)]
-pub(super) enum Value {
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
     Text(String),
     Integer(i64),
     Float(f64),
@@ -32,12 +32,26 @@ pub(super) enum Value {
 }
 
 /// The keys of a section, in the order of the file.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Table(Vec<(String, Node)>);
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table(Vec<(String, Node)>);
 
 impl Table {
     pub(super) fn get(&self, key: &str) -> Option<&Node> {
         self.0.iter().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    /// The value at a path such as `plant.initial.load_position_rad` or `fault.0.kind`.
+    pub(super) fn find(&self, path: &str) -> Option<&Node> {
+        let mut steps = path.split('.');
+        let mut node = self.get(steps.next()?)?;
+        for step in steps {
+            node = match &node.value {
+                Value::Table(table) => table.get(step)?,
+                Value::Array(items) => items.get(step.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(node)
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &Node)> {
@@ -48,29 +62,10 @@ impl Table {
         self.0.iter_mut().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
-    /// The section with this key.
-    pub(super) fn section_mut(&mut self, key: &str) -> Option<&mut Table> {
-        if let Some(Node { value: Value::Table(table), .. }) = self.get_mut(key) { Some(table) } else { None }
-    }
-
-    /// The text with this key.
-    pub(super) fn text_mut(&mut self, key: &str) -> Option<&mut String> {
-        if let Some(Node { value: Value::Text(text), .. }) = self.get_mut(key) { Some(text) } else { None }
-    }
-
     /// Takes a key out.
     pub(super) fn remove(&mut self, key: &str) -> Option<Node> {
         let index = self.0.iter().position(|(name, _)| name == key)?;
         Some(self.0.remove(index).1)
-    }
-
-    /// Renames a key, unless the new name is taken.
-    pub(super) fn rename(&mut self, from: &str, to: &str) {
-        if self.get(to).is_none()
-            && let Some((name, _)) = self.0.iter_mut().find(|(name, _)| name == from)
-        {
-            to.clone_into(name);
-        }
     }
 
     /// Replaces the value of `key`, or adds the key.
@@ -84,15 +79,52 @@ impl Table {
 
 impl Node {
     pub(super) fn text(&self) -> Option<&str> {
-        if let Value::Text(text) = &self.value { Some(text) } else { None }
+        self.value.text()
     }
 
-    pub(super) fn is_table(&self) -> bool {
-        matches!(self.value, Value::Table(_))
+    pub(super) fn table(&self) -> Option<&Table> {
+        if let Value::Table(table) = &self.value { Some(table) } else { None }
+    }
+
+    /// The items of a list; of any other value the value alone.
+    pub(super) fn items(&self) -> &[Self] {
+        self.value.list().unwrap_or(std::slice::from_ref(self))
     }
 }
 
+/// Up to here a fraction holds every whole number.
+const EXACT: f64 = (1_u64 << 53) as f64;
+
 impl Value {
+    pub(super) fn text(&self) -> Option<&str> {
+        if let Self::Text(text) = self { Some(text) } else { None }
+    }
+
+    pub(super) fn list(&self) -> Option<&[Node]> {
+        if let Self::Array(items) = self { Some(items) } else { None }
+    }
+
+    /// A number, whole or not.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            // Exact up to 2^53, far beyond every range here.
+            Self::Integer(number) => Some(*number as f64),
+            Self::Float(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// A whole number, which may be written as 1e3; `Some(None)` for one that the reader of the file may have rounded.
+    pub(super) fn whole_number(&self) -> Option<Option<i64>> {
+        match self {
+            Self::Integer(number) => Some(Some(*number)),
+            Self::Float(number) if number.fract() == 0.0 => {
+                Some((number.abs() <= EXACT).then_some(*number as i64))
+            }
+            _ => None,
+        }
+    }
+
     /// The type in words, to follow "is".
     pub(super) fn kind(&self) -> &'static str {
         match self {

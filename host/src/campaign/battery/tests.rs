@@ -15,9 +15,8 @@ fn settings(campaign: &Campaign, case: u64) -> Vec<String> {
 }
 
 #[test]
-fn former_names_of_laws_are_accepted() {
-    assert_eq!(parse_law("faithful").as_deref(), Ok("merzouki"));
-    assert_eq!(parse_law("compensating").as_deref(), Ok("backlash-inverse"));
+fn laws_are_those_of_the_campaign() {
+    assert_eq!(parse_law("merzouki").as_deref(), Ok("merzouki"));
     let expected = "expected pd, merzouki, backlash-inverse or braking-curve";
     assert_eq!(parse_law("lqr"), Err(expected.to_owned()));
 }

@@ -5,21 +5,22 @@
 //! run, are the reader's alone. We use no keyword that changed its meaning between draft 7 and draft 2020-12, because editors
 //! differ in the drafts that they support.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value as Json, json};
 
 use crate::scenario::key::{Further, Key, KeyKind, Keys, Selector};
 use crate::scenario::spelling::with_unit;
+use crate::scenario::tree::Value;
 
 impl Keys {
     /// The schema `docs/scenario.schema.json`.
     #[must_use]
-    pub fn to_json_schema(&self) -> Value {
+    pub fn to_json_schema(&self) -> Json {
         self.to_json_schema_of("Lashloop scenario")
     }
 
     /// The schema of files of this kind.
     #[must_use]
-    pub fn to_json_schema_of(&self, title: &str) -> Value {
+    pub fn to_json_schema_of(&self, title: &str) -> Json {
         let mut schema = section(self);
         schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
         schema["title"] = json!(title);
@@ -27,13 +28,13 @@ impl Keys {
     }
 }
 
-fn section(keys: &Keys) -> Value {
-    let mut properties: Map<String, Value> = Map::new();
+fn section(keys: &Keys) -> Json {
+    let mut properties: Map<String, Json> = Map::new();
     let mut names: Vec<_> = keys.all().map(|key| key.name).collect();
     names.sort_unstable();
     names.dedup();
     for name in names {
-        let mut variants: Vec<Value> = Vec::new();
+        let mut variants: Vec<Json> = Vec::new();
         for key in keys.all().filter(|key| key.name == name) {
             let variant = property(key);
             if !variants.contains(&variant) {
@@ -54,7 +55,7 @@ fn section(keys: &Keys) -> Value {
 }
 
 /// Adds what these keys require, and what each of their choices requires and excludes.
-fn constrain(schema: &mut Value, keys: &Keys) {
+fn constrain(schema: &mut Json, keys: &Keys) {
     let is_required =
         |key: &&Key| key.required || matches!(&key.kind, KeyKind::Section(inside) if inside.is_required());
     let required: Vec<_> = keys.keys.iter().filter(is_required).map(|key| key.name).collect();
@@ -68,11 +69,9 @@ fn constrain(schema: &mut Value, keys: &Keys) {
 }
 
 /// One condition for each name of a choice.
-fn conditions(keys: &Keys, selector: &Selector) -> Vec<Value> {
-    let default = keys.keys.iter().find(|key| key.name == selector.key).and_then(|key| match &key.kind {
-        KeyKind::Choice { default, .. } => *default,
-        _ => None,
-    });
+fn conditions(keys: &Keys, selector: &Selector) -> Vec<Json> {
+    let chooser = keys.keys.iter().find(|key| key.name == selector.key);
+    let default = chooser.and_then(|key| key.default.as_ref()?.text());
     let condition = |(name, variant): &(&'static str, Keys)| {
         let mut then = json!({ "properties": {} });
         for key in selector.variants.iter().flat_map(|(_, keys)| keys.all()) {
@@ -83,7 +82,7 @@ fn conditions(keys: &Keys, selector: &Selector) -> Vec<Value> {
         }
         constrain(&mut then, variant);
         let mut applies = json!({ "properties": { selector.key: { "const": name } } });
-        if default != Some(name) {
+        if default != Some(*name) {
             applies["required"] = json!([selector.key]);
         }
         json!({ "if": applies, "then": then })
@@ -91,23 +90,22 @@ fn conditions(keys: &Keys, selector: &Selector) -> Vec<Value> {
     selector.variants.iter().map(condition).collect()
 }
 
-fn property(key: &Key) -> Value {
+fn property(key: &Key) -> Json {
     let mut schema = match &key.kind {
-        KeyKind::Number { range, default } => {
+        KeyKind::Number(range) => {
             let least = if range.low_is_allowed { "minimum" } else { "exclusiveMinimum" };
-            with_default(json!({ "type": "number", least: range.low, "maximum": range.high }), *default)
+            json!({ "type": "number", least: range.low, "maximum": range.high })
         }
-        KeyKind::WholeNumber { low, high, default } => {
+        KeyKind::WholeNumber { low, high } => {
             let [low, high] = [low, high].map(|end| i64::try_from(*end).unwrap_or(i64::MAX));
-            let default = default.and_then(|default| i64::try_from(default).ok());
-            with_default(json!({ "type": "integer", "minimum": low, "maximum": high }), default)
+            json!({ "type": "integer", "minimum": low, "maximum": high })
         }
-        KeyKind::Text => json!({ "type": "string" }),
-        KeyKind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        KeyKind::Text { .. } => json!({ "type": "string" }),
+        KeyKind::Texts { .. } => json!({ "type": "array", "items": { "type": "string" } }),
         KeyKind::Values => json!({ "type": "array", "items": { "type": ["number", "boolean", "string"] } }),
-        KeyKind::Choice { choices, default } => {
+        KeyKind::Choice(choices) => {
             let names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
-            with_default(json!({ "enum": names }), *default)
+            json!({ "enum": names })
         }
         KeyKind::Choices(choices) => {
             let names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
@@ -119,13 +117,12 @@ fn property(key: &Key) -> Value {
     };
     let unit =
         if key.unit.is_empty() { String::new() } else { with_unit(" Unit:".to_owned(), key.unit) + "." };
-    schema["description"] = json!(format!("{}{unit}", key.doc));
-    schema
-}
-
-fn with_default(mut schema: Value, default: Option<impl serde::Serialize>) -> Value {
-    if let Some(default) = default {
-        schema["default"] = json!(default);
+    match &key.default {
+        Some(Value::Float(number)) => schema["default"] = json!(number),
+        Some(Value::Integer(number)) => schema["default"] = json!(number),
+        Some(Value::Text(name)) => schema["default"] = json!(name),
+        _ => {}
     }
+    schema["description"] = json!(format!("{}{unit}", key.doc));
     schema
 }

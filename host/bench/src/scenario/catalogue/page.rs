@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::scenario::key::{Choice, Further, Key, KeyKind, Keys};
 use crate::scenario::spelling::{either, spell_number};
+use crate::scenario::tree::Value;
 
 const BEGINNING: &str = "\
 # Scenarios
@@ -95,7 +96,7 @@ fn section(page: &mut String, keys: &Keys, path: &str, outer: &[Condition]) {
         }
     }
     for row in rows.iter().filter(|row| row.conditions.is_empty()) {
-        if let KeyKind::Choice { choices, .. } | KeyKind::Choices(choices) = &row.key.kind {
+        if let KeyKind::Choice(choices) | KeyKind::Choices(choices) = &row.key.kind {
             names(page, row.key.name, choices);
         }
     }
@@ -147,15 +148,13 @@ fn line(page: &mut String, key: &Key, conditions: Option<&[Condition]>) {
 /// Values that a key takes, in words.
 fn value(key: &Key) -> String {
     match &key.kind {
-        KeyKind::Number { range, .. } => format!("number {}", range.describe("")),
-        KeyKind::WholeNumber { low, high, .. } if *high == i64::MAX.into() => {
-            format!("whole number >= {low}")
-        }
-        KeyKind::WholeNumber { low, high, .. } => format!("whole number >= {low} and <= {high}"),
-        KeyKind::Text => "text".to_owned(),
-        KeyKind::Texts => "list of texts".to_owned(),
+        KeyKind::Number(range) => format!("number {}", range.describe("")),
+        KeyKind::WholeNumber { low, high } if *high == i64::MAX.into() => format!("whole number >= {low}"),
+        KeyKind::WholeNumber { low, high } => format!("whole number >= {low} and <= {high}"),
+        KeyKind::Text { .. } => "text".to_owned(),
+        KeyKind::Texts { .. } => "list of texts".to_owned(),
         KeyKind::Values => "list of numbers, booleans or texts".to_owned(),
-        KeyKind::Choice { choices, .. } => either(choices.iter().map(|choice| choice.name)),
+        KeyKind::Choice(choices) => either(choices.iter().map(|choice| choice.name)),
         KeyKind::Choices(choices) => format!("list of {}", either(choices.iter().map(|choice| choice.name))),
         KeyKind::Section(_) => "section".to_owned(),
         KeyKind::Sections(_) => "list of sections".to_owned(),
@@ -163,18 +162,13 @@ fn value(key: &Key) -> String {
 }
 
 fn default(key: &Key) -> String {
-    let default = match &key.kind {
-        KeyKind::Number { default, .. } => default.map(spell_number),
-        KeyKind::WholeNumber { default, .. } => default.map(|default| default.to_string()),
-        KeyKind::Choice { default, .. } => default.map(|default| format!("`\"{default}\"`")),
-        KeyKind::Text
-        | KeyKind::Texts
-        | KeyKind::Values
-        | KeyKind::Choices(_)
-        | KeyKind::Section(_)
-        | KeyKind::Sections(_) => None,
-    };
-    default.unwrap_or_else(|| if key.required { "needed" } else { "-" }.to_owned())
+    match &key.default {
+        Some(Value::Float(number)) => spell_number(*number),
+        Some(Value::Integer(number)) => number.to_string(),
+        Some(Value::Text(name)) => format!("`\"{name}\"`"),
+        _ if key.required => "needed".to_owned(),
+        _ => "-".to_owned(),
+    }
 }
 
 /// The names that a choice takes, if they have meanings.

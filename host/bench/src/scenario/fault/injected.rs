@@ -3,30 +3,49 @@
 use serde::Serialize;
 
 use super::device::DeviceFault;
-use super::encoder::{EncoderFault, Side};
-use super::kinds::FaultDuration;
-use super::link::{FrameFault, LinkFault, Way};
+use super::encoder::{EncoderFault, Side, SideKey};
+use super::link::{FrameFault, LinkFault, Way, WayKey};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::RunMode;
+use crate::scenario::declare::{Field as _, Settings, Variants, number, tagged};
+use crate::scenario::key::{Choice, Keys};
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
 use crate::scenario::spelling::either;
+use crate::settings;
 use lashloop_plant::{PlantModel, Plants};
 
-/// A fault to inject during the run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct InjectedFault {
-    /// Time of the run at which it begins, 0 to 1e5 s and before the end of the run.
-    pub at_s: f64,
-    /// How long it lasts, > 0 and <= 1e5 s; `None` for the rest of the run. See [`FaultDuration`] for the clock.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub for_s: Option<f64>,
-    /// What goes wrong.
-    #[serde(flatten)]
-    pub kind: FaultKind,
+/// What ends a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultDuration {
+    /// `for_s` in time of the run; without `for_s` the end of the run.
+    Simulated,
+    /// The step in which it begins.
+    Momentary,
+    /// `for_s` in the link's time, since there may be no steps meanwhile.
+    WallClock,
 }
+
+settings! {
+    /// A fault to inject during the run.
+    #[derive(Debug, Clone, PartialEq, Serialize)]
+    pub struct InjectedFault {
+        /// Time of the run at which the fault begins, before the end of the run.
+        pub at_s: f64 = number(0.0..=1e5),
+        /// How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need it;
+        /// `device-reset` takes none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub for_s: Option<f64> = number(positive(1e5)).optional(),
+        /// What goes wrong.
+        #[serde(flatten)]
+        pub kind: FaultKind = tagged(false).map(|kind, _| kind.unwrap_or(STAND_IN)),
+    }
+}
+
+/// Takes the place of a faulty entry until the scenario is rejected: a kind that is possible in every run.
+const STAND_IN: FaultKind = FaultKind::Frame { fault: FrameFault::Stall {}, way: Way::Both };
 
 /// Kinds of fault by what they strike.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -61,14 +80,20 @@ pub enum FaultKind {
 impl FaultKind {
     /// The kind's name, as scenarios and records spell it.
     #[must_use]
-    pub const fn name(&self) -> &'static str {
-        self.entry().0
+    pub fn name(&self) -> &'static str {
+        Variants::name(self)
     }
 
     /// What ends a fault of this kind.
     #[must_use]
     pub const fn duration(&self) -> FaultDuration {
-        self.entry().1
+        match self {
+            Self::Device(DeviceFault::Reset {}) => FaultDuration::Momentary,
+            Self::Link(LinkFault::Cut {}) | Self::Device(DeviceFault::Hang {}) => FaultDuration::WallClock,
+            Self::Frame { .. } | Self::Encoder { .. } | Self::Motor(_) | Self::Plant(_) => {
+                FaultDuration::Simulated
+            }
+        }
     }
 
     /// Whether faults of this kind hit frames or the connection.
@@ -94,92 +119,95 @@ impl FaultKind {
             ),
         }
     }
+}
 
-    /// The kind's entry in the table of its group.
-    const fn entry(&self) -> (&'static str, FaultDuration) {
+impl Variants for FaultKind {
+    fn choices() -> Vec<Choice> {
+        let groups = [
+            FrameFault::choices(),
+            LinkFault::choices(),
+            EncoderFault::choices(),
+            MotorFault::choices(),
+            PlantFault::choices(),
+            DeviceFault::choices(),
+        ];
+        groups.concat()
+    }
+
+    fn name(&self) -> &'static str {
         match self {
-            Self::Frame { fault, .. } => fault.entry(),
-            Self::Link(fault) => fault.entry(),
-            Self::Encoder { fault, .. } => fault.entry(),
-            Self::Motor(fault) => fault.entry(),
-            Self::Plant(fault) => fault.entry(),
-            Self::Device(fault) => fault.entry(),
+            Self::Frame { fault, .. } => fault.name(),
+            Self::Link(fault) => fault.name(),
+            Self::Encoder { fault, .. } => fault.name(),
+            Self::Motor(fault) => fault.name(),
+            Self::Plant(fault) => fault.name(),
+            Self::Device(fault) => fault.name(),
         }
     }
 
-    fn read(fault: &mut Section<'_>) -> Option<Self> {
-        let groups = [
-            FrameFault::KINDS,
-            LinkFault::KINDS,
-            EncoderFault::KINDS,
-            MotorFault::KINDS,
-            PlantFault::KINDS,
-            DeviceFault::KINDS,
-        ];
-        let kinds = groups.concat();
-        let choices: Vec<_> = kinds.iter().map(|kind| (kind.name, kind.name)).collect();
-        let name = fault.doc("What goes wrong.").choice_docs(kinds).choice("kind", None, &choices)?;
-        FrameFault::read(name, fault)
-            .map(|kind| Self::Frame { fault: kind, way: Way::read(fault) })
-            .or_else(|| LinkFault::read(name, fault).map(Self::Link))
-            .or_else(|| {
-                EncoderFault::read(name, fault)
-                    .map(|kind| Self::Encoder { fault: kind, side: Side::read(fault) })
-            })
+    fn declare(name: &str, keys: &mut Keys) -> bool {
+        if FrameFault::declare(name, keys) {
+            WayKey::declare(keys);
+        } else if EncoderFault::declare(name, keys) {
+            SideKey::declare(keys);
+        } else {
+            return LinkFault::declare(name, keys)
+                || MotorFault::declare(name, keys)
+                || PlantFault::declare(name, keys)
+                || DeviceFault::declare(name, keys);
+        }
+        true
+    }
+
+    fn read(name: &str, fault: &mut Section<'_>) -> Option<Self> {
+        if let Some(kind) = FrameFault::read(name, fault) {
+            return Some(Self::Frame { fault: kind, way: WayKey::read(fault).way });
+        }
+        if let Some(kind) = EncoderFault::read(name, fault) {
+            return Some(Self::Encoder { fault: kind, side: SideKey::read(fault).side });
+        }
+        (LinkFault::read(name, fault).map(Self::Link))
             .or_else(|| MotorFault::read(name, fault).map(Self::Motor))
             .or_else(|| PlantFault::read(name, fault).map(Self::Plant))
             .or_else(|| DeviceFault::read(name, fault).map(Self::Device))
     }
 }
 
-/// Takes the place of a faulty entry until the scenario is rejected.
-const STAND_IN: FaultKind = FaultKind::Link(LinkFault::Cut {});
+impl InjectedFault {
+    /// The fault, with what is wrong with its keys together.
+    pub(in crate::scenario) fn checked(self, fault: &mut Section<'_>) -> Self {
+        match (self.kind.duration(), self.for_s) {
+            (FaultDuration::Momentary, Some(_)) => {
+                fault.reject("for_s", "gives a duration, but a reset is over at once; omit it");
+            }
+            (FaultDuration::WallClock, None) => fault.reject("kind", "needs for_s: how long it lasts"),
+            _ => {}
+        }
+        self
+    }
 
-/// Reads one fault of a scenario with this plant and this run.
-pub(in crate::scenario) fn read(
-    fault: &mut Section<'_>,
-    model: &PlantModel,
-    plants: &Plants,
-    run: &RunSettings,
-) -> InjectedFault {
-    let at_s = fault.doc("Time of the run at which the fault begins, before the end of the run.").number(
-        "at_s",
-        None,
-        0.0..=1e5,
-    );
-    let for_s = fault
-        .doc("How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need it; `device-reset` takes none.")
-        .optional_number("for_s", "s", positive(1e5));
-    if run.step_at(at_s) >= run.steps() {
-        let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
-        fault.reject(
-            "at_s",
-            format!("is not before the end of the run, whose last step begins at {last_s} s"),
-        );
-    }
-    let Some(kind) = FaultKind::read(fault) else {
-        fault.accept_the_rest();
-        return InjectedFault { at_s, for_s, kind: STAND_IN };
-    };
-    if let FaultKind::Plant(change) = &kind
-        && !change.is_taken_by(model)
-    {
-        let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
-        fault.reject("kind", format!("needs plant.model = {takers}: {} takes no such change", model.name()));
-    }
-    if let (RunMode::Bench, Some(reason)) = (run.mode, kind.obstacle_in_bench_mode()) {
-        fault.reject("kind", reason.to_owned());
-    }
-    match (kind.duration(), for_s) {
-        (FaultDuration::Momentary, Some(_)) => {
-            fault.reject("for_s", "gives a duration, but a reset is over at once; omit it".to_owned());
+    /// Reports what this run and this plant rule out.
+    pub(in crate::scenario) fn check_run(
+        &self,
+        fault: &Section<'_>,
+        model: &PlantModel,
+        plants: &Plants,
+        run: &RunSettings,
+    ) {
+        if run.step_at(self.at_s) >= run.steps() {
+            let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
+            let reason = format!("is not before the end of the run, whose last step begins at {last_s} s");
+            fault.reject("at_s", reason);
         }
-        (FaultDuration::WallClock, None) => {
-            fault.reject("kind", "needs for_s: how long it lasts".to_owned());
+        if let FaultKind::Plant(change) = &self.kind
+            && !change.is_taken_by(model)
+        {
+            let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
+            let name = model.name();
+            fault.reject("kind", format!("needs plant.model = {takers}: {name} takes no such change"));
         }
-        (FaultDuration::Simulated, _)
-        | (FaultDuration::Momentary, None)
-        | (FaultDuration::WallClock, Some(_)) => {}
+        if let (RunMode::Bench, Some(reason)) = (run.mode, self.kind.obstacle_in_bench_mode()) {
+            fault.reject("kind", reason);
+        }
     }
-    InjectedFault { at_s, for_s, kind }
 }

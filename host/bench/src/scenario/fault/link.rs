@@ -2,76 +2,80 @@
 
 use serde::Serialize;
 
-use super::kinds::fault_kinds;
-use crate::scenario::keys::{fraction, integer_or, number, number_or};
-use crate::scenario::reader::Section;
+use crate::scenario::declare::{choice, integer, number};
+use crate::scenario::range::positive;
+use crate::settings;
 
-/// Directions of the link that a fault strikes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Way {
-    /// From the bench to the drive.
-    ToDrive,
-    /// From the drive to the bench.
-    ToBench,
-    /// Both directions, each with a random stream of its own.
-    Both,
-}
-
-impl Way {
-    /// Reads the key `way`.
-    pub(super) fn read(section: &mut Section<'_>) -> Self {
-        let choices = [("both", Self::Both), ("to-drive", Self::ToDrive), ("to-bench", Self::ToBench)];
-        section.doc("Direction of the frames.").choice("way", Self::Both, &choices).unwrap_or(Self::Both)
+settings! {
+    /// Directions of the link that a fault strikes.
+    pub enum Way {
+        /// Both directions, each with a random stream of its own.
+        "both" => Both,
+        /// From the bench to the drive.
+        "to-drive" => ToDrive,
+        /// From the drive to the bench.
+        "to-bench" => ToBench,
     }
 }
 
-fault_kinds! {
+settings! {
+    /// The key of every fault of frames.
+    pub(super) struct WayKey {
+        /// Direction of the frames.
+        pub(super) way: Way = choice().or(Way::Both),
+    }
+}
+
+settings! {
     /// Faults of frames. `share` is the fraction of frames hit.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+    #[serde(tag = "kind")]
     pub enum FrameFault {
         /// A frame loses one byte.
         "link-byte-loss" => ByteLoss {
             /// Fraction of frames hit.
-            share: f64 = fraction,
-        }
+            share: f64 = number(positive(1.0)),
+        },
         /// One bit of a frame is flipped.
         "link-bit-flip" => BitFlip {
             /// Fraction of frames hit.
-            share: f64 = fraction,
-        }
+            share: f64 = number(positive(1.0)),
+        },
         /// A burst of consecutive bytes of a frame is replaced by random ones.
         "link-burst" => Burst {
             /// Fraction of frames hit.
-            share: f64 = fraction,
+            share: f64 = number(positive(1.0)),
             /// Bytes of the burst. A shorter frame is replaced whole.
-            bytes: u32 = integer_or(8, 1..=64),
-        }
+            bytes: u32 = integer(1..=64).or(8),
+        },
         /// A frame arrives twice.
         "link-duplicate" => Duplicate {
             /// Fraction of frames hit.
-            share: f64 = fraction,
-        }
+            share: f64 = number(positive(1.0)),
+        },
         /// A frame arrives after its successor.
         "link-reorder" => Reorder {
             /// Fraction of frames hit.
-            share: f64 = fraction,
-        }
+            share: f64 = number(positive(1.0)),
+        },
         /// Every frame arrives later by delay and jitter, in the link's time. Frames keep their order.
         "link-delay" => Delay {
             /// Constant part of the delay.
             delay_ms: f64 = number(0.0..=1e4),
             /// Upper end of a uniform random part.
-            jitter_ms: f64 = number_or(0.0, 0.0..=1e4),
-        }
+            jitter_ms: f64 = number(0.0..=1e4).or(0.0),
+        },
         /// Frames are held back, and all arrive when the fault ends.
-        "link-stall" => Stall {}
+        "link-stall" => Stall {},
     }
 }
 
-fault_kinds! {
+settings! {
     /// Faults of the connection.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+    #[serde(tag = "kind")]
     pub enum LinkFault {
         /// The link is disconnected and comes back when the fault ends.
-        "link-cut" => Cut lasts WallClock {}
+        "link-cut" => Cut {},
     }
 }

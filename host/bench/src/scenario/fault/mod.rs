@@ -15,17 +15,13 @@
 mod device;
 mod encoder;
 mod injected;
-mod kinds;
 mod link;
 mod motor;
 mod plant;
 
 pub use device::DeviceFault;
 pub use encoder::{EncoderFault, Side};
-pub use injected::{FaultKind, InjectedFault};
-pub use kinds::FaultDuration;
+pub use injected::{FaultDuration, FaultKind, InjectedFault};
 pub use link::{FrameFault, LinkFault, Way};
 pub use motor::MotorFault;
 pub use plant::PlantFault;
-
-pub(super) use injected::read;

@@ -1,34 +1,37 @@
 //! Faults of the plant.
 
 use lashloop_plant::PlantModel;
+use serde::Serialize;
 
-use super::kinds::fault_kinds;
-use crate::scenario::keys::number;
+use crate::scenario::declare::number;
 use crate::scenario::range::positive;
+use crate::settings;
 
-fault_kinds! {
+settings! {
     /// Changes of gap, shaft and load, on plants that take them.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+    #[serde(tag = "kind")]
     pub enum PlantFault {
         /// The gap widens.
         "gap-growth" => GapGrowth {
             /// Growth of the half width, at the motor.
             growth_rad: f64 = number(positive(3.0)),
-        }
+        },
         /// The shaft's stiffness changes.
         "stiffness-drop" => StiffnessDrop {
             /// New stiffness over the old one.
             factor: f64 = number(positive(100.0)),
-        }
+        },
         /// An external torque acts on the load.
         "load-torque" => LoadTorque {
             /// The torque, positive towards positive angles.
             torque_nm: f64 = number(-1e6..=1e6),
-        }
+        },
         /// The load's dry friction changes.
         "friction-change" => FrictionChange {
             /// New Coulomb and stiction torque over the old ones.
             factor: f64 = number(positive(100.0)),
-        }
+        },
     }
 }
 

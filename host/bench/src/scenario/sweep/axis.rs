@@ -4,11 +4,12 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::number::six_digits;
-use crate::scenario::key::Choice;
+use crate::scenario::declare::{choice, integer, number, text, values};
 use crate::scenario::origin::Origin;
 use crate::scenario::reader::Section;
 use crate::scenario::spelling::spell_number;
 use crate::scenario::tree::{Node, Value};
+use crate::settings;
 
 /// Values of one axis at most.
 pub(super) const MAX_VALUES: u32 = 10_000;
@@ -37,11 +38,16 @@ pub(super) struct Range {
     pub(super) points: Option<u32>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Scale {
-    Linear,
-    Logarithmic,
-    Whole,
+settings! {
+    /// Spacing of points in a range.
+    pub(super) enum Scale {
+        /// equal differences
+        "linear" => Linear,
+        /// equal ratios
+        "logarithmic" => Logarithmic,
+        /// equal differences, rounded to whole numbers
+        "whole" => Whole,
+    }
 }
 
 /// A value of a key in one case. Displayed as `key=value`, as after `--set`.
@@ -103,67 +109,64 @@ pub(super) enum Sampling {
     Sweep,
 }
 
-pub(super) fn read(axis: &mut Section<'_>, sampling: Sampling) -> Axis {
-    const PATH: &str = "the path of a key, such as \"plant.dead_zone_rad\"";
-    let key = axis.doc("Path of the key, such as `plant.dead_zone_rad`.").text("key", Some(PATH));
-    let values = axis
-        .doc("Values of the key, in place of a range.")
-        .optional_values("values", "a list of numbers, booleans or texts");
-    let bound = -1e12..=1e12;
-    let min = axis.doc("Lower end of the range.").optional_number("min", "", bound.clone());
-    let max = axis.doc("Upper end of the range.").optional_number("max", "", bound);
-    let points = axis
-        .doc("Number of points of the range, both ends included. A Latin hypercube has `sweep.points`.")
-        .optional_integer("points", 2..=MAX_VALUES);
-    let scale = axis
-        .doc("Spacing of points in the range.")
-        .choice_docs(vec![
-            Choice { name: "linear", doc: "equal differences" },
-            Choice { name: "logarithmic", doc: "equal ratios" },
-            Choice { name: "whole", doc: "equal differences, rounded to whole numbers" },
-        ])
-        .choice(
-            "scale",
-            Scale::Linear,
-            &[("linear", Scale::Linear), ("logarithmic", Scale::Logarithmic), ("whole", Scale::Whole)],
-        );
-    let scale = scale.unwrap_or(Scale::Linear);
-    if key.is_some_and(|key| key.split('.').next() == Some("sweep")) {
-        axis.reject("key", "is a key of the sweep itself; name a key of the run".to_owned());
+settings! {
+    /// `[[sweep.axis]]` as it is written.
+    pub(super) struct AxisKeys {
+        /// Path of the key, such as `plant.dead_zone_rad`.
+        key: String = text("the path of a key, such as \"plant.dead_zone_rad\""),
+        /// Values of the key, in place of a range.
+        values: Option<Vec<Node>> = values(),
+        /// Lower end of the range.
+        min: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Upper end of the range.
+        max: Option<f64> = number(-1e12..=1e12).optional(),
+        /// Number of points of the range, both ends included. A Latin hypercube has `sweep.points`.
+        points: Option<u32> = integer(2..=MAX_VALUES).optional(),
+        /// Spacing of points in the range.
+        scale: Scale = choice().or(Scale::Linear),
     }
-    let values = match (values, min, max) {
-        (Some(values), None, None) => {
-            if sampling == Sampling::Sweep {
-                axis.reject("values", "is a list, and a Latin hypercube samples min to max".to_owned());
-            }
-            for key in ["points", "scale"] {
-                axis.reject(key, "belongs to a range, and this axis has values".to_owned());
-            }
-            Values::Listed(values.iter().map(|node| node.value.clone()).collect())
+}
+
+impl Axis {
+    pub(super) fn checked(keys: AxisKeys, axis: &mut Section<'_>, sampling: Sampling) -> Self {
+        let AxisKeys { key, values, min, max, points, scale } = keys;
+        if key.split('.').next() == Some("sweep") {
+            axis.reject("key", "is a key of the sweep itself; name a key of the run");
         }
-        (None, Some(min), Some(max)) => {
-            if min >= max {
-                axis.reject("max", format!("is no upper end; it must be > {}", spell_number(min)));
-            }
-            if scale == Scale::Logarithmic && min <= 0.0 {
-                axis.reject("min", "has no logarithm; it must be > 0".to_owned());
-            }
-            match (sampling, points) {
-                (Sampling::Axis, None) => axis.reject_section("has a range without points; add points"),
-                (Sampling::Sweep, Some(_)) => {
-                    axis.reject("points", "is given twice: sweep.points is for every axis".to_owned());
+        let values = match (values, min, max) {
+            (Some(values), None, None) => {
+                if sampling == Sampling::Sweep {
+                    axis.reject("values", "is a list, and a Latin hypercube samples min to max");
                 }
-                _ => {}
+                for key in ["points", "scale"] {
+                    axis.reject(key, "belongs to a range, and this axis has values");
+                }
+                Values::Listed(values.into_iter().map(|node| node.value).collect())
             }
-            Values::Range(Range { min, max, scale, points })
-        }
-        _ => {
-            // A faulty list has its own error.
-            if axis.node("values").is_none() || min.is_some() || max.is_some() {
-                axis.reject_section("must give either values, or both min and max");
+            (None, Some(min), Some(max)) => {
+                if min >= max {
+                    axis.reject("max", format!("is no upper end; it must be > {}", spell_number(min)));
+                }
+                if scale == Scale::Logarithmic && min <= 0.0 {
+                    axis.reject("min", "has no logarithm; it must be > 0");
+                }
+                match (sampling, points) {
+                    (Sampling::Axis, None) => axis.reject_section("has a range without points; add points"),
+                    (Sampling::Sweep, Some(_)) => {
+                        axis.reject("points", "is given twice: sweep.points is for every axis");
+                    }
+                    _ => {}
+                }
+                Values::Range(Range { min, max, scale, points })
             }
-            Values::Listed(Vec::new())
-        }
-    };
-    Axis { key: key.unwrap_or_default().to_owned(), origin: axis.origin_of("key"), values }
+            _ => {
+                // A faulty list has its own error.
+                if !axis.has("values") || min.is_some() || max.is_some() {
+                    axis.reject_section("must give either values, or both min and max");
+                }
+                Values::Listed(Vec::new())
+            }
+        };
+        Self { key, origin: axis.origin_of("key"), values }
+    }
 }

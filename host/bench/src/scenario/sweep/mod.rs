@@ -12,84 +12,86 @@ pub use axis::Setting;
 
 use axis::{Axis, Sampling, Values};
 
-use super::key::Choice;
+use super::declare::{Named, by, choice, integer, sections, skipped};
 use super::origin::Origin;
 use super::reader::Section;
 use super::tree::Value;
+use crate::settings;
 
 /// Cases of a sweep at most: days of runs in real time, and a table that is still read.
 const MAX_CASES: usize = 10_000;
 
 const SEED: &str = "run.seed";
 
-/// How the values of the axes are combined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Method {
-    Grid,
-    List,
-    LatinHypercube,
+settings! {
+    /// How the values of the axes are combined.
+    pub(super) enum Method {
+        /// every combination; the last axis varies fastest
+        "grid" => Grid,
+        /// the first values of all axes, then the second ones
+        "list" => List,
+        /// `points` random points; each of as many strata of an axis has one
+        "latin-hypercube" => LatinHypercube,
+    }
 }
 
-/// A sweep as the scenario has it.
-#[derive(Debug, Clone)]
-pub(super) struct Sweep {
-    method: Method,
-    points: u32,
-    sampling_seed: u64,
-    seeds: Option<u32>,
-    axes: Vec<Axis>,
-    origin: Origin,
+settings! {
+    /// A sweep as the scenario has it.
+    #[derive(Debug, Clone)]
+    pub(super) struct Sweep {
+        /// How the values of the axes are combined.
+        method: Method = choice().or(Method::Grid),
+        /// Points of a Latin hypercube, which needs them.
+        points: Option<u32> = integer(1..=axis::MAX_VALUES).optional(),
+        /// Seed of the points of a Latin hypercube.
+        sampling_seed: u64 = integer(0..=i64::MAX.cast_unsigned()).or(1),
+        /// Runs of each point, with `run.seed` 1, 2 and so on; absent for one run with the scenario's seed.
+        seeds: Option<u32> = integer(1..=axis::MAX_VALUES).optional(),
+        /// A key that varies.
+        axes as "axis": Vec<Axis> = by(|sweep| {
+            let sampling = sampling(sweep);
+            sections(move |keys, axis| Axis::checked(keys, axis, sampling))
+        }),
+        /// Where the section begins.
+        origin: Origin = skipped(|sweep| sweep.origin.clone()),
+    }
 }
 
-pub(super) fn read(sweep: &mut Section<'_>) -> Sweep {
-    let method = sweep
-        .doc("How the values of the axes are combined.")
-        .choice_docs(vec![
-            Choice { name: "grid", doc: "every combination; the last axis varies fastest" },
-            Choice { name: "list", doc: "the first values of all axes, then the second ones" },
-            Choice {
-                name: "latin-hypercube",
-                doc: "`points` random points; each of as many strata of an axis has one",
-            },
-        ])
-        .choice(
-            "method",
-            Method::Grid,
-            &[("grid", Method::Grid), ("list", Method::List), ("latin-hypercube", Method::LatinHypercube)],
-        );
-    let method = method.unwrap_or(Method::Grid);
-    let points = sweep
-        .doc("Points of a Latin hypercube, which needs them.")
-        .optional_integer("points", 1..=axis::MAX_VALUES);
-    let sampling_seed = sweep.doc("Seed of the points of a Latin hypercube.").integer(
-        "sampling_seed",
-        1,
-        0..=i64::MAX.cast_unsigned(),
-    );
-    let seeds = sweep
-        .doc("Runs of each point, with `run.seed` 1, 2 and so on; absent for one run with the scenario's seed.")
-        .optional_integer("seeds", 1..=axis::MAX_VALUES);
-    let sampling = if method == Method::LatinHypercube { Sampling::Sweep } else { Sampling::Axis };
-    let axes = sweep.doc("A key that varies.").sections("axis", |section| axis::read(section, sampling));
-    let origin = sweep.origin();
-    let result = Sweep { method, points: points.unwrap_or(1), sampling_seed, seeds, axes, origin };
-    if !sweep.is_given() {
-        return result;
+fn sampling(sweep: &Section<'_>) -> Sampling {
+    match sweep.text("method").and_then(Method::named) {
+        Some(Method::LatinHypercube) => Sampling::Sweep,
+        _ => Sampling::Axis,
     }
-    match (sampling, points) {
-        (Sampling::Sweep, None) => sweep.reject_section("is a Latin hypercube without points; add points"),
-        (Sampling::Axis, Some(_)) => {
-            sweep.reject("points", "belongs to method = \"latin-hypercube\"".to_owned());
-        }
-        _ => {}
-    }
-    if let Some(problem) = result.problem() {
-        sweep.reject_section(&problem);
-    }
-    result
 }
 
 impl Sweep {
+    pub(super) fn checked(self, sweep: &mut Section<'_>) -> Self {
+        if !sweep.is_given() {
+            return self;
+        }
+        match (sampling(sweep), self.points) {
+            (Sampling::Sweep, None) => {
+                sweep.reject_section("is a Latin hypercube without points; add points");
+            }
+            (Sampling::Axis, Some(_)) => sweep.reject("points", "belongs to method = \"latin-hypercube\""),
+            _ => {}
+        }
+        if let Some(problem) = self.problem() {
+            sweep.reject_section(problem);
+        }
+        self
+    }
+
+    /// Reports a sweep in a scenario of one run.
+    pub(super) fn rejected(self, sweep: &mut Section<'_>) {
+        let swept = self.checked(sweep);
+        if sweep.is_given() {
+            let reason =
+                "cases of a sweep are run by `lashloop test`; for another command remove the section";
+            sweep.reject_all(swept.count().to_string(), reason);
+        }
+    }
+
     /// What is wrong with the axes together, after "this section".
     fn problem(&self) -> Option<String> {
         if self.axes.is_empty() && self.seeds.is_none() {
@@ -120,7 +122,7 @@ impl Sweep {
         let points = match self.method {
             Method::Grid => lengths.fold(1, usize::saturating_mul),
             Method::List => lengths.max().unwrap_or(1),
-            Method::LatinHypercube => self.points as usize,
+            Method::LatinHypercube => self.points.unwrap_or(1) as usize,
         };
         points.saturating_mul(self.seeds.unwrap_or(1) as usize)
     }
@@ -154,7 +156,8 @@ impl Sweep {
                 (0..count).map(row).collect()
             }
             Method::LatinHypercube => {
-                let fractions = latin_hypercube::fractions(self.sampling_seed, self.axes.len(), self.points);
+                let fractions =
+                    latin_hypercube::fractions(self.sampling_seed, self.axes.len(), self.points.unwrap_or(1));
                 let point = |row: Vec<f64>| {
                     self.axes.iter().zip(row).filter_map(|(axis, fraction)| axis.at(fraction)).collect()
                 };

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use lashloop_plant::reference::Reference;
 
-use super::facts::{Facts, Number};
+use super::facts::Facts;
 use super::trap::Trap;
 use crate::scenario::error::ScenarioError;
+use crate::scenario::reader::Number;
 
 /// Largest plausible angle of the load. Angles in degrees, from 15 on, are beyond it.
 const PLAUSIBLE_RAD: f64 = 2.0 * TAU;
@@ -17,9 +18,9 @@ pub(super) fn check(facts: &Facts<'_>) -> Vec<ScenarioError> {
         let side = if angle.path.contains(".motor_") { ratio } else { 1.0 };
         angle.value.abs() > side * PLAUSIBLE_RAD
     };
-    let angles = facts.angles("reference").into_iter().chain(facts.angles("plant.initial"));
+    let angles = facts.angles("reference").chain(facts.angles("plant.initial"));
     let mut errors: Vec<_> =
-        angles.filter(implausible).map(|angle| angle.error(reason(angle.value))).collect();
+        angles.filter(|angle| implausible(angle)).map(|angle| angle.error(reason(angle.value))).collect();
     if let Reference::Table(table) = facts.reference
         && let farthest_rad = table.farthest_rad()
         && farthest_rad.abs() > PLAUSIBLE_RAD

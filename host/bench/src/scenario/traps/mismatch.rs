@@ -1,9 +1,10 @@
 //! A plant that isn't the one which the drive's parameters describe.
 
-use super::facts::{Facts, Number};
+use super::facts::Facts;
 use super::trap::Trap;
 use crate::scenario::controller::ParameterValue;
 use crate::scenario::error::ScenarioError;
+use crate::scenario::reader::Number;
 
 /// Keys of `[plant]` whose equals in the drive describe the same machine.
 const COMPARED: [&str; 4] = ["reduction_ratio", "dead_zone_rad", "load_inertia_kg_m2", "motor_inertia_kg_m2"];
@@ -15,7 +16,7 @@ fn differ(one: f64, other: f64) -> bool {
     (one - other).abs() > SAME * one.abs().max(other.abs())
 }
 
-fn compared(facts: &Facts<'_>) -> impl Iterator<Item = (&'static str, Number)> {
+fn compared<'a>(facts: &'a Facts<'_>) -> impl Iterator<Item = (&'static str, &'a Number)> {
     COMPARED.into_iter().filter_map(|name| Some((name, facts.number(&format!("plant.{name}"))?)))
 }
 
@@ -61,8 +62,9 @@ impl PartialEq for Nominal {
 impl Nominal {
     /// The numbers that the scenario leaves to the drive's defaults.
     pub(in crate::scenario) fn new(facts: &Facts<'_>) -> Self {
-        let left = |(name, _): &(&str, Number)| facts.parameters.iter().all(|setting| setting.name != *name);
-        Self(compared(facts).filter(left).collect())
+        let left = |name: &str| facts.parameters.iter().all(|setting| setting.name != name);
+        let left = compared(facts).filter(|(name, _)| left(name));
+        Self(left.map(|(name, number)| (name, number.clone())).collect())
     }
 
     /// Errors for numbers that differ from the drive's. `default_of` gives the default of the drive's parameter of a name;

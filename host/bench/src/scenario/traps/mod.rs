@@ -26,18 +26,15 @@ pub use trap::Trap;
 pub(super) use facts::Facts;
 pub(super) use mismatch::Nominal;
 
-/// Traps that the scenario means, each with the place of its entry.
-pub(super) type Meant = Vec<(Trap, Node)>;
-
-/// Reads the key `meant`.
-pub(super) fn read_meant(root: &mut Section<'_>) -> Meant {
-    let meant = root
-        .doc("Traps that are meant. Without its entry, a trap is an error before the run; an entry that the file doesn't need is an error too.")
-        .choice_docs(Trap::DOCS.to_vec())
-        .choices("meant", &Trap::NAMES);
-    for (index, (trap, node)) in meant.iter().enumerate() {
-        if meant[..index].iter().any(|(other, _)| other == trap) {
-            root.error("meant", node, rejected(node, "is given twice"));
+/// Reports entries of `meant` that repeat others.
+pub(super) fn check_meant(meant: Vec<Trap>, root: &mut Section<'_>) -> Vec<Trap> {
+    let entries = root.node("meant").map_or(&[][..], Node::items);
+    // A faulty entry has its own error.
+    if entries.len() == meant.len() {
+        for (index, (trap, entry)) in meant.iter().zip(entries).enumerate() {
+            if meant[..index].contains(trap) {
+                root.error("meant", entry, rejected(entry, "is given twice"));
+            }
         }
     }
     meant
@@ -48,7 +45,7 @@ fn rejected(node: &Node, reason: &str) -> KeyError {
 }
 
 /// Errors of all traps that aren't meant, and of entries of `meant` that silence nothing.
-pub(super) fn check(facts: &Facts<'_>, meant: &Meant) -> Vec<ScenarioError> {
+pub(super) fn check(facts: &Facts<'_>, meant: &[Trap]) -> Vec<ScenarioError> {
     let mut errors = Vec::new();
     let found = [
         (Trap::Start, start::check(facts)),
@@ -56,7 +53,8 @@ pub(super) fn check(facts: &Facts<'_>, meant: &Meant) -> Vec<ScenarioError> {
         (Trap::Mismatch, mismatch::check(facts)),
     ];
     for (trap, found) in found {
-        let Some((_, entry)) = meant.iter().find(|(other, _)| *other == trap) else {
+        let entries = facts.tree.get("meant").map_or(&[][..], Node::items);
+        let Some((_, entry)) = meant.iter().zip(entries).find(|(other, _)| **other == trap) else {
             errors.extend(found);
             continue;
         };

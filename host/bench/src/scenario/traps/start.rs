@@ -34,7 +34,7 @@ fn twist(facts: &Facts<'_>) -> Option<ScenarioError> {
         Trap::Start.silenced()
     );
     // The error names a key that the scenario gives: the others are defaults.
-    let place = [&motor, &load, &ratio].into_iter().find(|number| number.is_given).unwrap_or(&motor);
+    let place = [motor, load, ratio].into_iter().find(|number| number.is_given).unwrap_or(motor);
     Some(place.error(reason))
 }
 
