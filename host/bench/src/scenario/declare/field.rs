@@ -1,7 +1,6 @@
 //! Keys of a section as values: how each is described, and how it is read.
 
-use super::settings::Settings;
-use crate::scenario::key::{Key, KeyKind, Keys};
+use crate::scenario::key::{Choice, Key, KeyKind, Keys};
 use crate::scenario::reader::Section;
 
 /// A key of a section, or several keys that are one value.
@@ -22,6 +21,30 @@ pub trait Field {
     {
         Map { field: self, convert }
     }
+}
+
+/// The keys of a section as a type. [`settings!`](crate::settings) implements it.
+pub trait Settings: Sized {
+    /// Adds the keys.
+    fn declare(keys: &mut Keys);
+
+    /// Reads the keys.
+    fn read(section: &mut Section<'_>) -> Self;
+}
+
+/// A choice whose names have keys of their own. [`settings!`](crate::settings) implements it.
+pub trait Variants: Sized {
+    /// The names.
+    fn choices() -> Vec<Choice>;
+
+    /// The name of a value, as files spell it.
+    fn name(&self) -> &'static str;
+
+    /// Adds the keys of a name; whether the choice has the name.
+    fn declare(name: &str, keys: &mut Keys) -> bool;
+
+    /// Reads the keys of a name; `None` if the choice doesn't have it.
+    fn read(name: &str, section: &mut Section<'_>) -> Option<Self>;
 }
 
 /// See [`Field::map`].

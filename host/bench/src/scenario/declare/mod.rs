@@ -6,8 +6,8 @@
 //!
 //! | module | is |
 //! |---|---|
-//! | `settings` | the macro, and what it implements |
-//! | `field` | a key, a section, a list of sections |
+//! | `settings` | the macro |
+//! | `field` | a key, a section, a list of sections; what the macro implements |
 //! | `single` | numbers, texts and choices |
 //! | `tagged` | a choice whose names have keys of their own |
 //! | `named` | types whose values have names |
@@ -18,9 +18,8 @@ mod settings;
 mod single;
 mod tagged;
 
-pub use field::{Field, Map, by, flat, plain, section, section_of, sections, skipped};
+pub use field::{Field, Map, Settings, Variants, by, flat, plain, section, section_of, sections, skipped};
 pub use named::Named;
-pub use settings::{Settings, Variants};
 pub use single::{
     Optional, Scalar, Single, any_text, choice, choices, integer, number, scalars, text, texts,
 };

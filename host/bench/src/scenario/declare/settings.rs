@@ -1,32 +1,5 @@
 //! Sections and choices as types: one declaration for type, reader and documents.
 
-use crate::scenario::key::{Choice, Keys};
-use crate::scenario::reader::Section;
-
-/// The keys of a section as a type. [`settings!`](crate::settings) implements it.
-pub trait Settings: Sized {
-    /// Adds the keys.
-    fn declare(keys: &mut Keys);
-
-    /// Reads the keys.
-    fn read(section: &mut Section<'_>) -> Self;
-}
-
-/// A choice whose names have keys of their own. [`settings!`](crate::settings) implements it.
-pub trait Variants: Sized {
-    /// The names.
-    fn choices() -> Vec<Choice>;
-
-    /// The name of a value, as files spell it.
-    fn name(&self) -> &'static str;
-
-    /// Adds the keys of a name; whether the choice has the name.
-    fn declare(name: &str, keys: &mut Keys) -> bool;
-
-    /// Reads the keys of a name; `None` if the choice doesn't have it.
-    fn read(name: &str, section: &mut Section<'_>) -> Option<Self>;
-}
-
 /// Declares a section, a choice, or a choice whose names have keys of their own. The doc lines of a key are its meaning on the
 /// page too, so they omit unit, range and default, which the [`Field`](crate::scenario::declare::Field) after the `=` has.
 ///

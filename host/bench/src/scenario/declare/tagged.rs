@@ -1,7 +1,6 @@
 //! A choice whose names have keys of their own, next to it in its section.
 
-use super::field::{Field, field};
-use super::settings::Variants;
+use super::field::{Field, Variants, field};
 use super::single::name_of;
 use crate::scenario::key::{Choice, Keys, Selector};
 
