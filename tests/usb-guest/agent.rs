@@ -113,7 +113,9 @@ impl Commands {
                 running.child.wait()?;
                 Ok(Answer::Done)
             }
-            Request::Read { path } => Ok(Answer::Text(String::from_utf8_lossy(&fs::read(path)?).into_owned())),
+            Request::Read { path } => {
+                Ok(Answer::Text(String::from_utf8_lossy(&fs::read(path)?).into_owned()))
+            }
             Request::Write { path, text } => Ok(fs::write(path, text).map(|()| Answer::Done)?),
             Request::RemoveFolder { path } => match fs::remove_dir_all(path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => Err(error.into()),

@@ -128,18 +128,10 @@ pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), Expo
 /// The record can't be read, or the file can't be written.
 pub(crate) fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
     let path = folder.join(EXPORT_FILES[0]);
-    let failed = |error: String| WriteError {
-        path: path.clone(),
-        action: "written",
-        source: io::Error::other(error),
-    };
+    let failed =
+        |error: String| WriteError { path: path.clone(), action: "written", source: io::Error::other(error) };
     let record = Record::read_any(folder).map_err(|error| failed(error.to_string()))?;
-    let all = Selection {
-        signals: Vec::new(),
-        every: 1,
-        from_s: f64::NEG_INFINITY,
-        until_s: f64::INFINITY,
-    };
+    let all = Selection { signals: Vec::new(), every: 1, from_s: f64::NEG_INFINITY, until_s: f64::INFINITY };
     match all.of(&record) {
         Ok(columns) => write_whole_at(&path, ".export-", |path| csv(&columns, path)),
         Err(ExportError::Nothing { .. }) => Ok(()),

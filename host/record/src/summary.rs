@@ -179,7 +179,8 @@ impl Summary {
     #[must_use]
     pub fn new(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Self {
         let judgement = &outcome.judgement;
-        let metrics = || outcome.metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
+        let metrics =
+            || outcome.metrics.iter().map(|(metric, measured)| (metric.name().to_owned(), measured));
         Self {
             verdict: judgement.verdict,
             scenario: scenario.name.clone(),

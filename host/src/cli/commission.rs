@@ -335,7 +335,9 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
     let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
-    writer.finish(&Summary::new(run.scenario, run.device, run.outcome)).map_err(|error| RecordError(Box::new(error)))
+    writer
+        .finish(&Summary::new(run.scenario, run.device, run.outcome))
+        .map_err(|error| RecordError(Box::new(error)))
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {

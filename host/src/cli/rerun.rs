@@ -138,7 +138,12 @@ impl Arguments {
         }
         words.extend(["--out".into(), out.into()]);
         if let Some(RealTimeOptions { spin_us, fifo, lock_memory, core }) = &manifest.real_time {
-            words.extend(["--clock".into(), "real-time".into(), "--spin-us".into(), spin_us.to_string().into()]);
+            words.extend([
+                "--clock".into(),
+                "real-time".into(),
+                "--spin-us".into(),
+                spin_us.to_string().into(),
+            ]);
             words.extend(fifo.iter().flat_map(|fifo| ["--fifo".into(), fifo.to_string().into()]));
             words.extend(core.iter().flat_map(|core| ["--core".into(), core.to_string().into()]));
             words.extend(lock_memory.then(|| "--lock-memory".into()));

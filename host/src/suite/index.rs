@@ -133,6 +133,9 @@ mod tests {
         fs::write(folder.path().join("damaged/record.json"), "{").expect("a manifest");
         let unreadable = write_reports(&tally).expect("nothing is written");
         let errors: Vec<_> = unreadable.iter().map(ToString::to_string).collect();
-        assert!(errors.len() == 1 && errors[0].contains("damaged/record.json: is not the manifest"), "{errors:?}");
+        assert!(
+            errors.len() == 1 && errors[0].contains("damaged/record.json: is not the manifest"),
+            "{errors:?}"
+        );
     }
 }

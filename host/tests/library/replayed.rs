@@ -148,10 +148,7 @@ fn parameter_that_the_firmware_lacks_is_named_before_any_sample() {
             parameter("controller", Number::Whole(4), Some("braking-curve")),
             "does not take controller = braking-curve",
         ),
-        (
-            parameter("torque_limit_nm", Number::Real(-1.0), None),
-            "does not take torque_limit_nm = -1.0",
-        ),
+        (parameter("torque_limit_nm", Number::Real(-1.0), None), "does not take torque_limit_nm = -1.0"),
     ] {
         let parameters = RecordedParameters::of(&[parameter]);
         let error = replayed(&scenario, &(recording.clone(), parameters), &own_laws()).expect_err(part);

@@ -113,7 +113,9 @@ fn killed_run_is_plotted_up_to_its_last_whole_chunk() {
     fs::write(one.join("run.mcap"), &samples[..samples.len() * 2 / 3]).unwrap();
     plot(&[&one]).unwrap();
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-    for words in ["ended without a verdict", "0 steps, all answered", "last chunk of the record is incomplete"] {
+    for words in
+        ["ended without a verdict", "0 steps, all answered", "last chunk of the record is incomplete"]
+    {
         assert!(svg.replace("</tspan>", " ").contains(words), "no {words:?}: {svg}");
     }
 }

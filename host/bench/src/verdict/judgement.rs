@@ -196,7 +196,9 @@ fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Ve
         ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
     ]
     .into_iter()
-    .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what: what.into(), counted, allowed }))
+    .filter_map(|(what, counted, allowed)| {
+        allowed.map(|allowed| Breach { what: what.into(), counted, allowed })
+    })
     .filter(|breach| breach.counted.is_none_or(|counted| counted > breach.allowed))
     .collect()
 }

@@ -33,8 +33,7 @@ impl RecordFiles {
         let path = folder.join(SCENARIO_FILE);
         let unusable = |problem| DiffError::File { path: path.clone(), problem };
         let text = fs::read_to_string(&path).map_err(|error| unusable(error.to_string()))?;
-        let scenario =
-            de::from_str(&text).map_err(|error| unusable(error.message().replace('\n', "; ")))?;
+        let scenario = de::from_str(&text).map_err(|error| unusable(error.message().replace('\n', "; ")))?;
         Ok(Self { name: folder.display().to_string(), record, scenario })
     }
 

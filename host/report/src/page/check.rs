@@ -36,13 +36,6 @@ impl Check {
 impl From<&JudgedExpectation> for Check {
     fn from(judged: &JudgedExpectation) -> Self {
         let JudgedExpectation { value, unit, min, max, ok, .. } = judged;
-        Self {
-            name: judged.name(),
-            value: value.value(),
-            min: *min,
-            max: *max,
-            unit: unit.clone(),
-            ok: *ok,
-        }
+        Self { name: judged.name(), value: value.value(), min: *min, max: *max, unit: unit.clone(), ok: *ok }
     }
 }

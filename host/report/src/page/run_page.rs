@@ -50,8 +50,9 @@ pub fn run(run: &Run) -> String {
         (origin::repeat(run))
     };
     let title = format!("{}: {}", verdict_of(run), run.title());
-    let has_section =
-        |(id, _): &&Link| run.record.summary.is_some() || ["plots", "timing", "faults", "origin"].contains(id);
+    let has_section = |(id, _): &&Link| {
+        run.record.summary.is_some() || ["plots", "timing", "faults", "origin"].contains(id)
+    };
     let links: Vec<_> = LINKS.iter().filter(has_section).copied().collect();
     document(&title, &links, has_rows.then_some(&data), &content)
 }

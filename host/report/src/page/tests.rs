@@ -46,12 +46,12 @@ fn of<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> T {
 
 /// A record whose texts are `text`, with `columns` columns of noise in every step from `first` on.
 fn record(text: &str, first: usize, steps: usize, columns: usize) -> Record {
-    let fixed = [("time_s", "s"), ("reference_rad", "rad"), ("load_position_rad", "rad"), ("torque_nm", "N m")];
-    let noise = (0..columns).map(|column| Signal {
-        name: format!("drive.noise_{column}").into(),
-        unit: text.to_owned().into(),
-    });
-    let mut trace = Columns::new(fixed.map(|(name, unit)| Signal::new(name, unit)).into_iter().chain(noise).collect());
+    let fixed =
+        [("time_s", "s"), ("reference_rad", "rad"), ("load_position_rad", "rad"), ("torque_nm", "N m")];
+    let noise = (0..columns)
+        .map(|column| Signal { name: format!("drive.noise_{column}").into(), unit: text.to_owned().into() });
+    let mut trace =
+        Columns::new(fixed.map(|(name, unit)| Signal::new(name, unit)).into_iter().chain(noise).collect());
     let mut noise = 1_u64;
     for step in first..first + steps {
         let time_s = step as f64 * 1e-3;

@@ -23,8 +23,7 @@ pub(super) enum Tone {
 impl Tone {
     pub(super) fn of(run: &Run) -> Self {
         let Some(summary) = &run.record.summary else { return Self::None };
-        let is_marginal =
-            || summary.expectations.iter().any(|it| Check::from(it).grade() == Grade::Marginal);
+        let is_marginal = || summary.expectations.iter().any(|it| Check::from(it).grade() == Grade::Marginal);
         match Self::of_verdict(summary.verdict) {
             Self::Pass if is_marginal() => Self::Marginal,
             tone => tone,
