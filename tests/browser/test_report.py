@@ -248,9 +248,7 @@ def test_a_run_that_ends_before_its_first_torque_has_its_verdict(
 MANY = 100_000
 
 
-def test_points_of_a_thinned_trail_are_points_of_the_run(
-    open_page: Opener, failed: Record, tmp_path: Path
-) -> None:
+def test_points_of_a_thinned_trail_are_points_of_the_run(open_page: Opener, failed: Record, tmp_path: Path) -> None:
     folder = tmp_path / "circle"
     folder.mkdir()
     shutil.copy(failed.folder / "record.json", folder)

@@ -210,7 +210,7 @@ def test_an_interrupt_ends_the_program_in_order(tmp_path: Path) -> None:
 
 def test_a_program_that_crashes_is_an_error_with_its_exit_code(tmp_path: Path) -> None:
     crashing = script(tmp_path / "crashing", "import sys; sys.exit('panicked')")
-    with pytest.raises(lashloop.RecordError, match=r"trace\.csv: can't be read"):
+    with pytest.raises(lashloop.RecordError, match=r"record\.json: can't be read"):
         lashloop.run(SCENARIO, program=crashing)
     killed = script(tmp_path / "killed", "import os; os.kill(os.getpid(), 9)")
     with pytest.raises(lashloop.ProgramError, match="exit code -9 and no text") as it:

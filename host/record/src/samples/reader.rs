@@ -96,6 +96,7 @@ impl Samples {
                     break;
                 }
                 Ok(_) => {}
+                Err(error @ McapError::BadMagic) => return Err(error.into()),
                 Err(_) if !has_end => {
                     is_torn = true;
                     break;
