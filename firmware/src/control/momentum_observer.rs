@@ -5,8 +5,8 @@
 //! transmission. With q = y - a J_m d(theta_e), dy/dt = a (U - f - q), the output C_obs = q follows U - f - J_m
 //! dd(theta_e) with the first-order lag of the pole a. The lag is advanced exactly for a torque held over the period.
 
-use crate::control::nominal_model::NominalModel;
 use crate::control::lag::alpha;
+use crate::control::nominal_model::NominalModel;
 use crate::law::{Measurement, Real};
 
 /// Velocity in rad/s over which the motor's Coulomb friction changes sign.

@@ -143,7 +143,8 @@ fn auto(environment: impl Fn(&str) -> Option<String>, count: Option<u32>) -> Res
     if let Some(count) = count.filter(|count| *count != total) {
         return Err(format!("{} has {total} shards, --shards {count}; make them the same", present[0]));
     }
-    Shard::new(shard, total).ok_or_else(|| format!("{} gives {shard}/{total}, which isn't a shard", present[0]))
+    Shard::new(shard, total)
+        .ok_or_else(|| format!("{} gives {shard}/{total}, which isn't a shard", present[0]))
 }
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use super::load_loop::{LoadLoop, LoadLoopState};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone_observer::DeadZoneBounds;
 use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
+use crate::control::lag::alpha;
 use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::lag::alpha;
 use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// What the law needs besides mechanics and gains.

@@ -6,11 +6,11 @@ use super::signals::BrakingCurveSignals;
 use super::winding::{Winding, WindingState};
 use crate::control::dead_zone_observer::DeadZoneBounds;
 use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification, mean_misfit_rad};
+use crate::control::lag::alpha;
 use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::MomentumObserver;
 use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
-use crate::control::lag::alpha;
 use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
 
 /// Periods in a row with a balanced motor before a sample counts for the gap.

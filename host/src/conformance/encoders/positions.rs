@@ -45,9 +45,11 @@ pub(super) fn checks() -> Vec<Check> {
                 alike(client, encoder, &further?, &earlier?)
             })
         }),
-        check("R7.7 R7.8", "a run that starts at a position continues as one that has moved there", |client| {
-            Encoder::BOTH.into_iter().try_for_each(|encoder| started_or_moved(client, encoder))
-        }),
+        check(
+            "R7.7 R7.8",
+            "a run that starts at a position continues as one that has moved there",
+            |client| Encoder::BOTH.into_iter().try_for_each(|encoder| started_or_moved(client, encoder)),
+        ),
         check("R7.7 R7.14 R7.17", "the first sample of a run has no predecessor", |client| {
             let setup = Setup::coarse(client)?;
             for encoder in Encoder::BOTH {
