@@ -52,11 +52,11 @@ impl SourceTree {
 
     /// The two modules of one parent that lead to these two; `None` if one of them is above the other.
     pub(crate) fn siblings(&self, one: ModuleId, other: ModuleId) -> Option<(ModuleId, ModuleId)> {
-        let (one, other) = (self.from_root(one), self.from_root(other));
+        let (one, other) = (self.path_from_root(one), self.path_from_root(other));
         one.into_iter().zip(other).find(|(one, other)| one != other)
     }
 
-    fn from_root(&self, id: ModuleId) -> Vec<ModuleId> {
+    fn path_from_root(&self, id: ModuleId) -> Vec<ModuleId> {
         let mut path: Vec<_> = std::iter::successors(Some(id), |id| self.modules[*id].parent).collect();
         path.reverse();
         path
