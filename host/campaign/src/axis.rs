@@ -81,7 +81,7 @@ settings! {
         label: Option<String> = any_text(),
         /// Unit in tables.
         unit: Option<String> = any_text(),
-        /// Values, in place of a range.
+        /// Values, instead of a range.
         values: Option<Vec<Scalar>> = scalars(),
         /// Lower end of the range.
         min: Option<f64> = number(-1e12..=1e12).optional(),
@@ -111,7 +111,7 @@ impl Axis {
             (Some(listed), None, None) => Values::Listed(listed.into_iter().map(AxisValue::from).collect()),
             (None, Some(min), Some(max)) => {
                 if min >= max {
-                    axis.reject("max", format!("is no upper end; it must be > {min}"));
+                    axis.reject("max", format!("isn't an upper end; it must be > {min}"));
                 }
                 if scale == Scale::Whole && (min.fract() != 0.0 || max.fract() != 0.0) {
                     axis.reject("scale", format!("needs whole ends, and the range is {min} to {max}"));

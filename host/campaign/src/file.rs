@@ -61,7 +61,9 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
         if let Statistic::Quantile { column, .. } = &expectation.what
             && !columns.contains(column)
         {
-            root.reject_section(format!("expects of {column}, which is no metric and no [[derive]]"));
+            root.reject_section(format!(
+                "names {column} in [[expect]], which is neither a metric nor a [[derive]] column"
+            ));
         }
         if let (Some(_), Some(problem)) = (expectation.confidence, soundness::population(file, expectation)) {
             root.reject_section(format!("has an expectation with confidence, {problem}"));
@@ -82,7 +84,9 @@ fn check(root: &Section<'_>, file: &CampaignFile) {
     match &file.evidence.of {
         None if file.evidence.worst > 0 => root.reject_section("has evidence.worst without evidence.of"),
         Some(of) if !columns.contains(of) => {
-            root.reject_section(format!("has evidence of {of}, which is no metric and no [[derive]]"));
+            root.reject_section(format!(
+                "names {of} in [evidence], which is neither a metric nor a [[derive]] column"
+            ));
         }
         _ => {}
     }

@@ -30,7 +30,7 @@ settings! {
         pub scenario: Option<String> = any_text(),
         /// Seed of every random stream.
         pub seed: u64 = integer(0..=i64::MAX.cast_unsigned()).or(1),
-        /// Values in place of the scenario's, each as after `--set`.
+        /// Values instead of the scenario's, each as after `--set`.
         pub set: Vec<String> = settings(),
         /// A law or another choice: every row of a part is run once with each variant.
         pub variants as "variant": Vec<VariantSettings> = sections(plain),
@@ -52,7 +52,7 @@ fn settings() -> impl Field<Value = Vec<String>> {
 fn name() -> impl Field<Value = String> {
     text("a name in quotes").map(|name, section| {
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) {
-            section.reject("name", "is no name; it must consist of letters, digits, '-', '_' and '.'");
+            section.reject("name", "isn't a name; it must consist of letters, digits, '-', '_' and '.'");
         }
         name
     })
@@ -64,9 +64,9 @@ settings! {
     pub struct VariantSettings {
         /// Name in tables.
         pub name: String = name(),
-        /// Scenario in place of the campaign's; relative to the file.
+        /// Scenario instead of the campaign's; relative to the file.
         pub scenario: Option<String> = any_text(),
-        /// Values in place of the scenario's, each as after `--set`.
+        /// Values instead of the scenario's, each as after `--set`.
         pub set: Vec<String> = settings(),
     }
 }
@@ -175,7 +175,7 @@ settings! {
         pub(crate) max: Option<f64> = number(-1e12..=1e12).optional(),
         /// Value that must not be reached.
         pub(crate) below: Option<f64> = number(-1e12..=1e12).optional(),
-        /// Smallest allowed fraction of runs whose verdict is PASS, in place of a metric.
+        /// Smallest allowed fraction of runs whose verdict is PASS, instead of a metric.
         pub(crate) pass: Option<f64> = number(0.0..=1.0).optional(),
     }
 }

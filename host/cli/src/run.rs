@@ -32,12 +32,12 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
-    /// Mode in place of the scenario's: in `hil` the bench simulates the plant, in `bench` the drive reads its own encoders
+    /// Mode instead of the scenario's: in `hil` the bench simulates the plant, in `bench` the drive reads its own encoders
     /// and commands its power stage
     #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
     mode: Option<String>,
 
-    /// Law in place of the scenario's: any that the drive has, see `lashloop parameters list`
+    /// Law instead of the scenario's: any that the drive has, see `lashloop parameters list`
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 

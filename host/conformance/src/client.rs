@@ -17,6 +17,7 @@ use lashloop_session::{Description, Parameter, SessionError, handshake};
 use super::answers::{command_result, hello, identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal, preparation};
 use super::range::in_type_of;
+use super::time_up::TimeUp;
 use super::words::Words;
 
 /// Time for the answers to one request. A drive answers at once.
@@ -67,15 +68,6 @@ pub(super) struct Client {
     is_unanswered: bool,
     /// Times that the drive was settled.
     settled: u8,
-}
-
-/// When the time for a check ends, and what to report then. Time for which the drive's program has waited for a core doesn't
-/// count.
-pub(super) struct TimeUp {
-    pub(super) at: Instant,
-    pub(super) cause: &'static str,
-    /// Time for which the program has waited at the last look.
-    pub(super) starved: Duration,
 }
 
 impl Client {
@@ -271,12 +263,7 @@ impl Client {
     /// # Errors
     /// The time for the present check is up.
     fn require_time(&mut self) -> RuleResult {
-        if self.line.now() >= self.time_up.at {
-            let starved = self.line.starved();
-            self.time_up.at += starved.saturating_sub(self.time_up.starved);
-            self.time_up.starved = starved;
-        }
-        if self.line.now() < self.time_up.at {
+        if !self.time_up.has_come(&mut self.line) {
             return Ok(());
         }
         self.is_unsettled = true;

@@ -7,8 +7,9 @@ use lashloop_session::SessionError;
 
 use super::assertion::{Failure, RuleResult};
 use super::check::Check;
-use super::client::{Client, REQUEST_LIMIT, TimeUp};
+use super::client::{Client, REQUEST_LIMIT};
 use super::result::{CheckResult, CheckStatus};
+use super::time_up::TimeUp;
 
 /// Time for all checks of any drive. The slowest line on which all checks are made, of 115,200 Bd, takes half of it.
 const RUN_LIMIT: Duration = Duration::from_secs(60);

@@ -56,6 +56,7 @@ mod samples;
 mod sessions;
 mod states;
 mod telemetry;
+mod time_up;
 mod transitions;
 pub mod unchecked;
 mod walk;

@@ -20,7 +20,7 @@ const NEW: &str = ".new";
 pub struct RecordFolder {
     path: PathBuf,
     force: bool,
-    /// `None` on a file system that locks no folders, such as NFS. There the second look at the begin is all there is.
+    /// `None` on a file system that locks no folders, such as NFS. There the second look at the start is all there is.
     _lock: Option<File>,
 }
 
@@ -280,7 +280,7 @@ fn has_manifest(folder: &Path) -> bool {
     serde_json::from_slice::<ManifestHead>(&text).is_ok()
 }
 
-/// Ends the begin of a record that a kill has cut short between its renames.
+/// Completes the start of a record that a kill has cut short between its renames.
 fn complete(folder: &Path) -> io::Result<()> {
     let new = folder.join(NEW);
     let is_in_both = |name: &&str| new.join(name).exists() && folder.join(name).exists();

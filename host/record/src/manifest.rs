@@ -40,7 +40,7 @@ pub struct Manifest {
     pub started: String,
     /// The scenario; `scenario.toml` has every key of it.
     pub scenario: ScenarioFile,
-    /// What was set in place of the file's values.
+    /// What was set instead of the file's values.
     pub overrides: Vec<Overridden>,
     /// Seed of every random stream of the run.
     pub seed: u64,

@@ -18,13 +18,13 @@ pub struct RunSource {
     pub working_directory: Option<String>,
     /// SHA-256 of the scenario's file in hexadecimal; `None` for a scenario without a file.
     pub scenario_sha256: Option<String>,
-    /// What was set in place of the file's values.
+    /// What was set instead of the file's values.
     pub overrides: Vec<Overridden>,
     /// The rig file as the user named it.
     pub rig: Option<String>,
 }
 
-/// A key that was set in place of the scenario's value.
+/// A key that was set instead of the scenario's value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Overridden {
     /// Path of the key, such as `plant.dead_zone_rad`.
@@ -55,7 +55,7 @@ impl RunSource {
     }
 }
 
-/// The document with the defaults; `None` if it is no scenario without overrides.
+/// The document with the defaults; `None` if it isn't a scenario without overrides.
 fn with_defaults(path: &Path, document: &DocumentMut, plants: &Plants) -> Option<DocumentMut> {
     let name = path.to_str()?;
     let scenario = Scenario::from_str_with(name, &document.to_string(), &[], plants).ok()?;

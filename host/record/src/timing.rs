@@ -19,7 +19,7 @@ pub struct TimingRow {
     pub missed: f64,
     /// Sending the sample.
     pub send_us: f64,
-    /// From the end of sending to the arrival of the answer, less the drive's computing time.
+    /// From the end of sending to the arrival of the answer, minus the drive's computing time.
     pub line_and_device_us: f64,
     /// The drive's computing time, in device time.
     pub compute_us: f64,

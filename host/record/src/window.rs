@@ -94,10 +94,10 @@ impl StepObserver for WindowRecorder {
 #[derive(Debug)]
 struct Ring<T> {
     around: usize,
-    /// As many items as the window has before a run, and the run that goes on.
+    /// As many items as the window has before a run, and the present run.
     latest: VecDeque<T>,
     pushed: u64,
-    /// Length of the run of triggers that goes on.
+    /// Length of the present run of triggers.
     run: usize,
     /// Whether it is the longest.
     is_longest: bool,

@@ -6,19 +6,15 @@ use lashloop_bench::run::{
 };
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_link::Link;
 
-use super::{ExecutionError, Middleware, Place};
+use super::error::ExecutionError;
+use super::place::Place;
 use crate::rig::TakenRig;
+use crate::rig::limits::Excess;
 
-/// What becomes of a parameter or a travel beyond the limits of a rig.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Excess {
-    /// It is an error.
-    Rejected,
-    /// A parameter is reduced to its limit. The caller ends a motion that leaves the travel, which counts from where the load
-    /// stands at the first one; `commission` moves loads whose zero isn't known.
-    Guarded,
-}
+/// Wraps the link to a drive on the bench's side, such as a capture does.
+pub type Middleware<'a> = Box<dyn FnOnce(Box<dyn Link>) -> Box<dyn Link> + 'a>;
 
 /// A drive that is open, with the limits of its rig.
 pub struct OpenDrive<'a> {

@@ -13,7 +13,7 @@ mod drive;
 mod error;
 mod place;
 
-pub use drive::{Excess, OpenDrive};
+pub use drive::{Middleware, OpenDrive};
 pub use error::ExecutionError;
 pub use place::Place;
 
@@ -22,12 +22,8 @@ use lashloop_bench::device::Device;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_link::Link;
 use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
-
-/// Wraps the link to a drive on the bench's side, such as a capture does.
-pub type Middleware<'a> = Box<dyn FnOnce(Box<dyn Link>) -> Box<dyn Link> + 'a>;
 
 /// One run of a scenario. Without further calls it is in lockstep, unwatched, and leaves no record.
 #[must_use]

@@ -24,7 +24,7 @@ const BAUD: u32 = 921_600;
 const WATCHDOG_US: u32 = 100_000;
 /// Largest limit of the twist in bench mode, unless the rig has another: the paper's soft shaft twists by 12 rad.
 const TWIST_RAD: f64 = 20.0;
-/// Smallest scale of the drive, either way.
+/// Smallest scale of the drive, in both directions.
 const SMALLEST_SCALE_NM: f64 = 1e-3;
 /// The chip of the boards that Lashloop supports, as probe-rs names it.
 const CHIP: &str = "STM32F405RGTx";
@@ -140,15 +140,15 @@ settings! {
     /// `[limits]`: limits of the bench hardware.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Limits {
-        /// Largest torque at the motor, either way. Limit of the drive's parameter `torque_limit_nm`.
+        /// Largest torque at the motor, in both directions. Limit of the drive's parameter `torque_limit_nm`.
         pub torque_nm: f64 = number(positive(1000.0)),
-        /// Largest speed of the motor, either way. Limit of the drive's parameter `motor_speed_limit_rad_s`, beyond which
+        /// Largest speed of the motor, in both directions. Limit of the drive's parameter `motor_speed_limit_rad_s`, beyond which
         /// the drive latches a fault.
         pub motor_speed_rad_s: Option<f64> = number(positive(1e6)).optional(),
-        /// Largest speed of the load, either way. Limit of the reference, except for steps, and of the drive's parameter
+        /// Largest speed of the load, in both directions. Limit of the reference, except for steps, and of the drive's parameter
         /// `load_speed_limit_rad_s`.
         pub load_speed_rad_s: Option<f64> = number(positive(1e6)).optional(),
-        /// Largest distance of the load from zero, either way. A reference beyond it is an error; in bench mode, a load
+        /// Largest distance of the load from zero, in both directions. A reference beyond it is an error; in bench mode, a load
         /// beyond it ends the run.
         pub load_travel_rad: f64 = number(positive(1e4)),
         /// Bench mode: limit of the drive's parameter `watchdog_us`, after which a silent host ends the run.
@@ -244,7 +244,7 @@ fn device(port: &Section<'_>, parse: ParseDevice<'_>) -> DeviceChoice {
                   rfc2217:HOST:PORT; for a simulator omit --rig"
                 .to_owned()
         }
-        Err(problem) => format!("is no device: {problem}"),
+        Err(problem) => format!("isn't a device: {problem}"),
     };
     port.reject("device", reason);
     NativeTwin.into()
@@ -254,7 +254,7 @@ impl PowerStage {
     fn checked(self, stage: &mut Section<'_>) -> Self {
         if self.torque_per_duty_nm.is_some_and(|scale_nm| scale_nm.abs() < SMALLEST_SCALE_NM) {
             let reason = format!(
-                "gives hardly a torque at any duty; it must be {SMALLEST_SCALE_NM} N m or more, either way"
+                "is too small to produce torque; abs(torque_per_duty_nm) must be >= {SMALLEST_SCALE_NM}"
             );
             stage.reject("torque_per_duty_nm", reason);
         }
@@ -276,7 +276,7 @@ impl PowerStage {
 pub fn pin_default(name: &str) -> f64 {
     let parameter = PinParameters::TABLE.iter().find(|parameter| parameter.name == name);
     match parameter.map(|parameter| parameter.range.default()) {
-        // Decimal, as it is written: 0.1 is no number of either precision.
+        // Decimal, as it is written: neither precision has 0.1.
         Some(ParameterValue::F32(default)) => default.to_string().parse().unwrap_or(f64::NAN),
         _ => f64::NAN,
     }

@@ -12,6 +12,16 @@ use super::file::{Limits, Rig};
 /// Parameter of a drive with pins.
 const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
 
+/// What becomes of a parameter or a travel beyond the limits of a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Excess {
+    /// It is an error.
+    Rejected,
+    /// A parameter is reduced to its limit. The caller ends a motion that leaves the travel, which counts from where the load
+    /// stands at the first one; `commission` moves loads whose zero isn't known.
+    Guarded,
+}
+
 /// A limit of the rig that is a parameter of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveLimit {

@@ -7,11 +7,10 @@ use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::verdict::Exit;
 use lashloop_session::{Session, printable};
 
-use super::Rig;
 use super::drive_settings::MissingParameter;
-use super::limits::LimitError;
+use super::file::Rig;
+use super::limits::{Excess, LimitError};
 use super::lock::{LockError, RigLock};
-use crate::execution::Excess;
 
 /// Why a rig can't be used.
 #[derive(Debug, thiserror::Error)]

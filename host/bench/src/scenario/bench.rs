@@ -65,7 +65,7 @@ settings! {
     pub struct BenchSettings {
         /// Where the load stands at the first step.
         pub start: BenchStart = choice().or(BenchStart::Initial),
-        /// Largest distance of the load from zero, either way, or from its first position with `start = "anywhere"`. A load
+        /// Largest distance of the load from zero in both directions, or from its first position with `start = "anywhere"`. A load
         /// beyond it ends the run.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub load_travel_limit_rad: Option<f64> = number(positive(1e4)).optional(),

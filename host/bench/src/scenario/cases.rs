@@ -80,7 +80,7 @@ impl Cases {
         })
     }
 
-    /// The same cases with these tables in place of their files.
+    /// The same cases with these tables instead of their files.
     #[must_use]
     pub fn with_tables(self, given: GivenTables) -> Self {
         Self { given, ..self }

@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path, kind: &str) -> Result<String, ScenarioError> {
     let file = File::open(path).map_err(cannot_read)?;
     file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(cannot_read)?;
     if bytes.len() as u64 > LARGEST {
-        return Err(unusable(format!("is larger than 1 MiB, so it is no {kind}; name a TOML file")));
+        return Err(unusable(format!("is larger than 1 MiB, so it isn't a {kind}; name a TOML file")));
     }
     decode(bytes).map_err(unusable)
 }

@@ -126,7 +126,7 @@ pub(super) fn place(root: &mut Table, path: &str, node: Node) -> Result<(), Stri
             value = Some(&mut item.ok_or_else(|| no_such_item(name, index, count))?.value);
         }
         let Some(Value::Table(next)) = value else {
-            return Err(format!("{name} is no section, so it has no key {key}"));
+            return Err(format!("{name} isn't a section, so it has no key {key}"));
         };
         table = next;
     }

@@ -1,4 +1,4 @@
-//! Files of settings that are no scenarios, such as a rig file: the reader of scenarios reads them, so their errors, their
+//! Files of settings that aren't scenarios, such as a rig file: the reader of scenarios reads them, so their errors, their
 //! page of keys and their JSON Schema are of the same kind.
 
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::{file, tree};
 /// The text of a file of settings. `kind` is what the file is in messages, such as `rig file`.
 ///
 /// # Errors
-/// The file can't be read, is larger than 1 MiB, or is no regular file of text in UTF-8.
+/// The file can't be read, is larger than 1 MiB, or isn't a regular file of text in UTF-8.
 pub fn read_text(path: &Path, kind: &str) -> Result<String, ScenarioErrors> {
     Ok(file::read(path, kind)?)
 }

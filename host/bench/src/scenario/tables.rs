@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lashloop_plant::reference::{Interpolation, Table, TableError};
 
-/// Tables by their paths, in place of their files.
+/// Tables by their paths, instead of their files.
 pub type GivenTables = BTreeMap<PathBuf, Table>;
 
 /// Where the reader of a scenario finds its table.

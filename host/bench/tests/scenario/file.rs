@@ -45,7 +45,7 @@ fn a_file_beyond_1_mib_is_refused() {
     let (_directory, largest) = file(&padded(1 << 20));
     assert!(Scenario::from_file(&largest, &[]).is_ok());
     let (_directory, larger) = file(&padded((1 << 20) + 1));
-    let want = "is larger than 1 MiB, so it is no scenario; name a TOML file";
+    let want = "is larger than 1 MiB, so it isn't a scenario; name a TOML file";
     assert_eq!(message(&larger), format!("{}: {want}", larger.display()));
 }
 

@@ -120,7 +120,7 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     --set run..seed=5: the key is incomplete; it must be section.key=value
     --set a.b.c.d=5: no key lies deeper than 3 levels; it must be section.key=value
     --set title="open: invalid basic string, expected `"`
-    --set title.word=5: title is no section, so it has no key word
+    --set title.word=5: title isn't a section, so it has no key word
     --set plant=5: plant: 5 is a whole number; it must be a section [plant]
     --set expect.max=5: expect is a list; write expect.0.max
     --set expect.2.max=5: there is no expect.2; the index must be >= 0 and <= 1

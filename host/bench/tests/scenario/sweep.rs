@@ -108,7 +108,7 @@ fn every_error_of_a_sweep_names_its_line() {
         ("[sweep]\nseeds = 20000\n".to_owned(), "x.toml:12: sweep.seeds: 20000 is out of range; it must be >= 1 and <= 10000"),
         (axis.to_owned(), "x.toml:11: sweep.axis.0: this section must give either values, or both min and max"),
         (format!("{axis}min = 0.1\nmax = 0.2\n"), "x.toml:11: sweep.axis.0: this section has a range without points; add points"),
-        (format!("{axis}min = 0.3\nmax = 0.2\npoints = 3\n"), "x.toml:14: sweep.axis.0.max: 0.2 is no upper end; it must be > 0.3"),
+        (format!("{axis}min = 0.3\nmax = 0.2\npoints = 3\n"), "x.toml:14: sweep.axis.0.max: 0.2 isn't an upper end; it must be > 0.3"),
         (format!("{axis}values = []\n"), "x.toml:13: sweep.axis.0.values: [0 items] is a list; it must be a list of numbers, booleans or texts"),
         (format!("{axis}min = 0.0\nmax = 0.2\npoints = 3\nscale = \"logarithmic\"\n"), "x.toml:13: sweep.axis.0.min: 0.0 has no logarithm; it must be > 0"),
         (format!("{axis}values = [0.1]\n{axis}values = [0.2]\n"), "has two axes of plant.dead_zone_rad; each key has one"),

@@ -26,7 +26,10 @@ fn wrong_campaign_files_are_refused_with_the_remedy() {
             ),
             "at most 10000000 are allowed",
         ),
-        (format!("{PARTS}[[expect]]\nmetric = \"settle\"\nquantile = 0.5\nmax = 1"), "which is no metric"),
+        (
+            format!("{PARTS}[[expect]]\nmetric = \"settle\"\nquantile = 0.5\nmax = 1"),
+            "which is neither a metric",
+        ),
         (format!("{PARTS}[[expect]]\nmetric = \"settle_time_s\"\nmax = 1"), "must give metric, quantile and"),
         (format!("{PARTS}[[expect]]\npass = 0.9\npart = \"none\""), "no [[part]] of this name"),
         (format!("{PARTS}[[expect]]\npass = 0.9\njudge = \"interval\""), "add confidence"),

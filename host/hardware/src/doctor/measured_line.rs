@@ -11,7 +11,7 @@ use super::round_trip::{self, Timing};
 #[derive(Debug)]
 pub struct MeasuredLine {
     pub timing: Timing,
-    /// `None` for a line that is no terminal.
+    /// `None` for a line that isn't a terminal.
     pub latency_timer: Option<LatencyTimer>,
 }
 

@@ -24,7 +24,7 @@ pub struct MetricDifference {
 }
 
 impl MetricDifference {
-    /// Second value less the first, if both exist.
+    /// Second value minus the first, if both exist.
     #[must_use]
     pub fn difference(&self) -> Option<f64> {
         let [Some(a), Some(b)] = self.values else { return None };
@@ -47,7 +47,7 @@ struct Quantity {
     reason: Option<String>,
 }
 
-/// Compares the metrics of two summaries, then the quantities of expectations that are no metric of the whole run.
+/// Compares the metrics of two summaries, then the quantities of expectations that aren't metrics of the whole run.
 pub(super) fn compare(summaries: [&Summary; 2], tolerances: &Tolerances) -> Vec<MetricDifference> {
     let [a, mut b] = summaries.map(quantities);
     let mut rows: Vec<_> = a

@@ -150,7 +150,7 @@ impl Settings {
         }
     }
 
-    /// By the file's name: its folder is no property of the run.
+    /// By the file's name: its folder isn't a property of the run.
     fn take_files(&mut self, group: Group, files: &[FileHash]) {
         for FileHash { path, sha256 } in files {
             let name = path.rsplit('/').next().unwrap_or(path);

@@ -49,7 +49,7 @@ pub struct At {
 }
 
 impl ValuePair {
-    /// Second value less the first.
+    /// Second value minus the first.
     #[must_use]
     pub fn difference(&self) -> f64 {
         self.values[1] - self.values[0]

@@ -39,7 +39,7 @@ impl FromStr for Tolerance {
     fn from_str(text: &str) -> Result<Self, String> {
         let percent = text.trim().strip_suffix('%');
         let number = percent.unwrap_or(text).trim();
-        let number: f64 = number.parse().map_err(|_| format!("{text:?} is no number"))?;
+        let number: f64 = number.parse().map_err(|_| format!("{text:?} isn't a number"))?;
         if !(number.is_finite() && number >= 0.0) {
             return Err(format!("a tolerance is {number}; it must be 0 or more"));
         }
@@ -110,7 +110,7 @@ mod tests {
     fn a_number_without_a_name_is_refused_because_units_differ() {
         for (text, part) in [
             ("0.1", "write NAME=0.1"),
-            ("torque_nm=much", "\"much\" is no number"),
+            ("torque_nm=much", "\"much\" isn't a number"),
             ("torque_nm=-1", "0 or more"),
             ("NaN%", "0 or more"),
         ] {

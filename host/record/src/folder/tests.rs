@@ -14,7 +14,7 @@ fn files(path: &Path) -> Vec<String> {
     names
 }
 
-/// Writes these files as the begin of a record.
+/// Writes these files as the start of a record.
 fn begin(folder: &RecordFolder, names: &[&str]) -> Result<(), WriteError> {
     folder.begin(|new| {
         for name in names {

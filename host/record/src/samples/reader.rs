@@ -40,7 +40,7 @@ pub enum SamplesError {
     #[error("can't be read: {0}")]
     Read(#[from] io::Error),
     /// Not MCAP.
-    #[error("is no MCAP file: {0}")]
+    #[error("isn't an MCAP file: {0}")]
     Mcap(#[from] McapError),
     /// A channel of another program.
     #[error("topic {topic} has no schema of Lashloop")]

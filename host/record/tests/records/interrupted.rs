@@ -102,7 +102,7 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
         fs::write(path.join("run.mcap"), &whole[..length]).expect("a part");
         let record = match Record::read_any(&path) {
             Ok(record) => record,
-            // Shorter than the mark at its begin, it is no such file.
+            // Shorter than the mark at its start, it isn't such a file.
             Err(error) => {
                 assert!(length < MAGIC && error.to_string().contains("run.mcap"), "{length} bytes: {error}");
                 continue;
@@ -156,7 +156,7 @@ fn samples_before_the_first_telemetry_have_the_columns_of_the_drive() {
     assert!(error.len() == 1 && error[0].is_nan() && !samples.is_torn, "{error:?}");
 }
 
-/// Bytes of the mark at the begin of a file.
+/// Bytes of the mark at the start of a file.
 const MAGIC: usize = 8;
 
 /// Kind of the record after the last chunk. What follows repeats schemas and channels.

@@ -130,7 +130,10 @@ const ALLOWED: [(&str, &[&str]); 29] = [
     ("xtask", &["lashloop-protocol"]),
     ("lashloop-silicon", &["lashloop-plant"]),
     ("silicon-probe", &[]),
-    ("lashloop-fuzz", &["lashloop-protocol", "lashloop-firmware", "lashloop-bench"]),
+    (
+        "lashloop-fuzz",
+        &["lashloop-protocol", "lashloop-firmware", "lashloop-link", "lashloop-session", "lashloop-bench"],
+    ),
     ("benchmark-codec", &["lashloop-protocol"]),
     ("benchmark-plant", &["lashloop-plant", "lashloop-firmware", "lashloop-bench", "lashloop-campaign"]),
     // Crates of a user: they may use what is for users.

@@ -56,7 +56,7 @@ settings! {
         },
         /// The reading has additional noise, uniform in whole counts.
         "encoder-noise" => Noise {
-            /// Amplitude, either way.
+            /// Amplitude in both directions.
             counts: u32 = integer(1..=1_000_000),
         },
         /// The encoder counts backwards from where the fault began.

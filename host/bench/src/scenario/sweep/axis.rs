@@ -114,7 +114,7 @@ settings! {
     pub(super) struct AxisKeys {
         /// Path of the key, such as `plant.dead_zone_rad`.
         key: String = text("the path of a key, such as \"plant.dead_zone_rad\""),
-        /// Values of the key, in place of a range.
+        /// Values of the key, instead of a range.
         values: Option<Vec<Node>> = values(),
         /// Lower end of the range.
         min: Option<f64> = number(-1e12..=1e12).optional(),
@@ -145,7 +145,7 @@ impl Axis {
             }
             (None, Some(min), Some(max)) => {
                 if min >= max {
-                    axis.reject("max", format!("is no upper end; it must be > {}", spell_number(min)));
+                    axis.reject("max", format!("isn't an upper end; it must be > {}", spell_number(min)));
                 }
                 if scale == Scale::Logarithmic && min <= 0.0 {
                     axis.reject("min", "has no logarithm; it must be > 0");

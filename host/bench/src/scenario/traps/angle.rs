@@ -1,4 +1,4 @@
-//! An angle that was hardly meant in radians.
+//! An angle that was probably not meant in radians.
 
 use std::f64::consts::TAU;
 

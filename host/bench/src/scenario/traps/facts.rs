@@ -26,7 +26,7 @@ impl Facts<'_> {
         self.numbers.iter().find(|number| number.path == path)
     }
 
-    /// An error at a key that is no number, if the scenario gives the key.
+    /// An error at a key that isn't a number, if the scenario gives the key.
     pub(super) fn error_at(&self, path: &str, reason: String) -> Option<ScenarioError> {
         let origin = self.tree.find(path)?.origin.clone();
         let error = KeyError::Rejected { found: "this file".to_owned(), reason };

@@ -1,4 +1,4 @@
-//! Scenarios that are valid key by key, but hardly what their author meant.
+//! Scenarios that are valid key by key, but probably not what their author meant.
 //!
 //! A trap is an error before the run. The top-level key `meant` names the traps that are meant:
 //!
