@@ -115,14 +115,14 @@ mod tests {
     use super::*;
     use crate::Bench;
 
-    const RIG: &str = "title = \"t\"\ncontact = \"c\"\nboard = \"host\"\n[port]\ndevice = \"tcp:rack:1\"\n\
+    const RIG: &str = "title = \"t\"\ncontact = \"c\"\nboard = \"in-process\"\n[port]\ndevice = \"tcp:rack:PORT\"\n\
                        [limits]\ntorque_nm = 5.0\nload_travel_rad = 0.49\n";
 
-    /// A rig whose drive is one in this process.
-    fn rig(text: &str) -> TakenRig {
+    /// A rig whose drive is one in this process. Each port is a lock of its own.
+    fn rig(text: &str, port: &str) -> TakenRig {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("rig.toml");
-        std::fs::write(&file, text).expect("a rig file");
+        std::fs::write(&file, text.replace("PORT", port)).expect("a rig file");
         let bench = Bench::new();
         let mut taken = TakenRig::take(&file, &bench.devices(), "test").expect("a rig");
         taken.rig.port.device = bench.device("inproc").expect("a device");
@@ -136,13 +136,10 @@ mod tests {
     }
 
     /// A sine of 0.5 rad from rest.
-    const SINE: [&str; 6] = [
+    const SINE: [&str; 3] = [
         "plant.initial.load_position_rad=0",
         "plant.initial.motor_position_rad=0",
-        "reference.profile=sine",
-        "reference.amplitude_rad=0.5",
-        "reference.offset_rad=0",
-        "reference.frequency_hz=10",
+        "reference={ profile = \"sine\", amplitude_rad = 0.5, offset_rad = 0.0, frequency_hz = 10.0 }",
     ];
 
     fn run(rig: &TakenRig, mut scenario: Scenario) -> Result<Option<f32>, String> {
@@ -160,15 +157,15 @@ mod tests {
 
     #[test]
     fn a_run_on_a_rig_keeps_a_limit_that_its_scenario_leaves_open() {
-        let rig = rig(RIG);
+        let rig = rig(RIG, "1");
         let unlimited =
-            ["controller.parameters={}", "reference.profile=constant", "reference.position_rad=0"];
+            ["controller.parameters={}", "reference={ profile = \"constant\", position_rad = 0.0 }"];
         assert_eq!(run(&rig, scenario(&unlimited)), Ok(Some(5.0)));
     }
 
     #[test]
     fn a_position_keeps_the_travel_of_the_rig_and_a_torque_has_none() {
-        let rig = rig(RIG);
+        let rig = rig(RIG, "2");
         let pd = ["controller.parameters={}"];
         let error = run(&rig, scenario(&[&SINE[..], &pd].concat())).expect_err("0.5 rad");
         assert!(error.contains("allows limits.load_travel_rad = 0.49 rad"), "{error}");
@@ -178,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_drive_on_another_board_than_the_rigs_is_not_run() {
-        let rig = rig(&RIG.replace("\"host\"", "\"stm32f405\""));
+        let rig = rig(&RIG.replace("in-process", "stm32f405"), "3");
         let error = run(&rig, scenario(&["controller.parameters={}"])).expect_err("another board");
         assert!(error.contains("that of") && error.contains("is stm32f405"), "{error}");
     }
