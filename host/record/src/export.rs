@@ -55,7 +55,7 @@ pub enum ExportError {
     },
     /// The program was built without Parquet.
     #[error(
-        "this lashloop has no Parquet; build it with the feature: cargo build --release -p lashloop --features parquet"
+        "this lashloop has no Parquet; build it with the feature: cargo build --release -p lashloop-cli --features parquet"
     )]
     NoParquet,
     /// The file can't be written.

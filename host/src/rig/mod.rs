@@ -7,7 +7,6 @@
 //! | [`limits`] | the limits that a scenario can't exceed |
 //! | [`drive_settings`] | the parameters that a rig sets on its drive |
 //! | [`lock`] | one program at a time on a rig |
-//! | [`check`] | everything that can be found out about a rig without moving it |
 //! | `taken` | [`TakenRig`]: a rig that this program uses alone |
 
 pub mod drive_settings;
