@@ -88,8 +88,8 @@ impl Ring {
         match self {
             // Drives run in one process with these tests.
             Self::Unit => conditions(2, 5, false),
-            // More than cores: these tests mostly wait for drives in other processes.
-            Self::Loop => conditions(4, 10, true),
+            // A test and its drive take turns: with more of them, answers wait for cores until they count as lost.
+            Self::Loop => conditions(2, 10, true),
             // One after the other: bench and drive take turns on the cores.
             Self::Python => conditions(1, 10, true),
             _ => conditions(2, 10, true),

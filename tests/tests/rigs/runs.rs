@@ -44,12 +44,19 @@ fn the_torque_limit_of_the_rig_holds_where_the_scenario_has_none() {
 }
 
 #[test]
-fn a_scenario_beyond_the_limits_reaches_no_drive() {
+fn a_parameter_beyond_the_limits_reaches_no_drive() {
     // The port doesn't exist: opening it would be another error.
     let rig = RigFile::with(NOWHERE, "native-twin", "torque_nm = 5.0\nload_travel_rad = 0.5");
     let torque = run(&rig, &["--set", "controller.parameters.torque_limit_nm=6"]).with_code(2).stderr;
     let want = format!("exceeds the rig; {} allows limits.torque_nm = 5 N m", rig.path());
     assert!(torque.contains("torque_limit_nm=6") && torque.contains(&want), "{torque}");
+}
+
+/// Only the drive's description tells whether a reference is a position.
+#[test]
+fn a_reference_beyond_the_travel_moves_no_drive() {
+    let twin = Twin::start();
+    let rig = RigFile::with(&twin.device(), "native-twin", "torque_nm = 5.0\nload_travel_rad = 0.5");
     let far = [
         "--set",
         "reference.position_rad=0.6",
@@ -58,8 +65,9 @@ fn a_scenario_beyond_the_limits_reaches_no_drive() {
         "--set",
         "controller.parameters.torque_limit_nm=5",
     ];
-    let travel = run(&rig, &far).with_code(2).stderr;
-    assert!(travel.contains("the reference reaches 0.600000 rad"), "{travel}");
+    let ended = run(&rig, &far).with_code(2);
+    assert!(ended.stderr.contains("the reference reaches 0.600000 rad"), "{}", ended.stderr);
+    assert_eq!(ended.stdout, "", "a verdict without a run");
 }
 
 #[test]

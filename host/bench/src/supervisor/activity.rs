@@ -7,16 +7,23 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Processor time that a program may take beyond the limit of an answer: emulators translate an image as they reach it.
 const LONGEST_COMPUTATION: Duration = Duration::from_secs(5);
+/// Time after which a program counts as silent that has computed for less than [`LEAST_SHARE`] of it. An idle emulator wakes
+/// every millisecond, and on a busy machine it then waits for a core at every look.
+const LONGEST_IDLING: Duration = Duration::from_secs(2);
+/// As a divisor. An idle emulator takes 1/11 of a core; a program that computes gets more even among 12 on two cores.
+const LEAST_SHARE: u32 = 8;
 
 /// The processes of a group, all their threads together.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Activity {
-    /// Whether a thread computes, waits for a core or for a disk, or is stopped.
+    /// Whether a thread computes, or waits for a core or for a disk.
     is_at_work: bool,
+    /// Whether a thread is stopped.
+    is_stopped: bool,
     /// Processor time so far.
     cpu: Duration,
     /// Time that threads have waited for a core.
@@ -38,7 +45,8 @@ impl Activity {
             let Some(state) = fields(&thread.path()).and_then(|fields| fields.into_iter().next()) else {
                 continue;
             };
-            all.is_at_work |= ["R", "D", "T", "t"].contains(&&*state);
+            all.is_at_work |= ["R", "D"].contains(&&*state);
+            all.is_stopped |= ["T", "t"].contains(&&*state);
             let times = fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
             let mut times =
                 times.split(' ').map(|time| time.parse().map_or(Duration::ZERO, Duration::from_nanos));
@@ -94,7 +102,8 @@ impl Watch {
 /// A wait for a program.
 pub struct Wait<'a> {
     watch: &'a Watch,
-    at_first: Option<Activity>,
+    /// The first look since the program was stopped, if ever.
+    at_first: Option<(Instant, Activity)>,
     was_idle: bool,
     longest_computation: Duration,
 }
@@ -104,17 +113,27 @@ impl Wait<'_> {
     pub const SLICE: Duration = Duration::from_millis(20);
 
     /// Whether the program is excused at the end of its time: it is at work or can't be, and the bench has not stopped it. It is
-    /// not excused once it has slept at two looks in a row or computed for 5 s, or has ended.
+    /// not excused once it has slept at two looks in a row, or for most of 2 s, or computed for 5 s, or has ended.
     pub fn is_excused(&mut self) -> bool {
         if self.watch.is_suspended.load(Ordering::Relaxed) {
             return false;
         }
-        let Some(now) = Activity::of_group(self.watch.group) else { return false };
-        let computed = now.cpu.saturating_sub(self.at_first.get_or_insert(now).cpu);
-        let is_idle = !now.is_at_work;
+        Activity::of_group(self.watch.group)
+            .is_some_and(|activity| self.is_excused_at(Instant::now(), activity))
+    }
+
+    fn is_excused_at(&mut self, now: Instant, activity: Activity) -> bool {
+        if activity.is_stopped {
+            (self.at_first, self.was_idle) = (None, false);
+            return true;
+        }
+        let (since, first) = *self.at_first.get_or_insert((now, activity));
+        let (waited, computed) = (now - since, activity.cpu.saturating_sub(first.cpu));
+        let is_idle = !activity.is_at_work;
         let is_silent = is_idle && self.was_idle;
         self.was_idle = is_idle;
-        !is_silent && computed < self.longest_computation
+        let idles = waited > LONGEST_IDLING && computed * LEAST_SHARE < waited;
+        !is_silent && !idles && computed < self.longest_computation
     }
 }
 
@@ -123,7 +142,6 @@ mod tests {
     use std::os::unix::process::CommandExt;
     use std::process::{Child, Command, Stdio};
     use std::thread;
-    use std::time::Instant;
 
     use rustix::process::{Pid, Signal, kill_process};
 
@@ -151,6 +169,36 @@ mod tests {
             let _ = self.0.kill();
             let _ = self.0.wait();
         }
+    }
+
+    /// How long a program is excused that computes for this share of the time and waits for a core at every look, in s.
+    fn excused_s(share: f64) -> f64 {
+        let watch = Watch::new(0);
+        let (mut wait, started) = (watch.wait(), Instant::now());
+        let looks = (0..1_000).map(|look| Wait::SLICE * look);
+        let excused = looks.take_while(|elapsed| {
+            let cpu = elapsed.mul_f64(share);
+            let activity = Activity { is_at_work: true, cpu, ..Activity::default() };
+            wait.is_excused_at(started + *elapsed, activity)
+        });
+        excused.last().unwrap_or_default().as_secs_f64()
+    }
+
+    #[test]
+    fn an_idle_emulator_on_a_busy_machine_is_silent_after_2_s_and_a_starved_one_is_not() {
+        assert_eq!(excused_s(0.09), 2.0);
+        assert!(excused_s(0.3) > 15.0, "{} s", excused_s(0.3));
+        assert!((4.9..5.1).contains(&excused_s(1.0)), "{} s", excused_s(1.0));
+    }
+
+    #[test]
+    fn a_stopped_program_is_excused_for_as_long_as_it_is_stopped() {
+        let watch = Watch::new(0);
+        let (mut wait, started) = (watch.wait(), Instant::now());
+        let stopped = Activity { is_stopped: true, ..Activity::default() };
+        let at_work = Activity { is_at_work: true, ..Activity::default() };
+        assert!((0..60).all(|second| wait.is_excused_at(started + Duration::from_secs(second), stopped)));
+        assert!(wait.is_excused_at(started + Duration::from_secs(61), at_work), "its time begins anew");
     }
 
     /// Looks until the program is no longer excused, for 20 s at most.
