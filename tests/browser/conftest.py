@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
 from mcap.reader import make_reader
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
 from playwright.sync_api import sync_playwright
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def rewrite_samples(folder: Path, schema: Callable[[str], str] = str, *, has_mes
     """Writes the samples of a record anew, with other schemas or without messages."""
     samples = io.BytesIO((folder / "run.mcap").read_bytes())
     with (folder / "run.mcap").open("wb") as file:
-        writer, channels = Writer(file), dict[int, int]()
+        writer, channels = Writer(file, compression=CompressionType.LZ4), dict[int, int]()
         writer.start()
         for old, channel, message in make_reader(samples).iter_messages():
             if channel.id not in channels:
@@ -89,7 +89,7 @@ def rewrite_samples(folder: Path, schema: Callable[[str], str] = str, *, has_mes
             if has_messages:
                 place = (message.publish_time, message.sequence)
                 writer.add_message(channels[channel.id], message.log_time, message.data, *place)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
 
 
 @dataclass

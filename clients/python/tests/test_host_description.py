@@ -105,7 +105,7 @@ def test_a_signal_that_the_drive_lacks_is_named_and_not_sent() -> None:
 def test_a_signal_of_another_law_is_reported_at_arming_with_the_log() -> None:
     host = opened(two_laws())
     host.subscribe(["other_rad"])
-    with pytest.raises(RejectedError, match='Inconsistent, log: "other_rad isn't a signal of pd"'):
+    with pytest.raises(RejectedError, match=r"Inconsistent, log: .other_rad isn't a signal of pd"):
         host.arm()
     host.set("controller", "other")
     host.arm()
