@@ -230,7 +230,7 @@ mod tests {
     fn a_stopped_program_is_excused_unless_the_bench_has_stopped_it() {
         let (program, watch) = Running::start("read line");
         program.signal(Signal::STOP);
-        until(|| is_at_work(&watch));
+        until(|| Activity::of_group(watch.group).is_some_and(|it| it.is_stopped));
         let mut wait = watch.wait();
         assert!((0..10).all(|_| wait.is_excused()));
         watch.suspended(true);
