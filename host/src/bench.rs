@@ -73,7 +73,7 @@ impl Bench {
         DeviceChoice::parse(name, &self.drive.devices).map_err(unknown)
     }
 
-    /// The models that scenarios can choose.
+    /// The models that scenarios can choose. Not stable, as the methods below.
     #[must_use]
     pub fn plants(&self) -> Plants {
         self.plants.clone()

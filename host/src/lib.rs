@@ -46,7 +46,7 @@
 //!
 //! | stable | in |
 //! |---|---|
-//! | [`Bench`], [`run`], [`Outcome`] but for [`Outcome::details`], [`Error`], [`NoMetric`], [`UnknownName`] | this crate |
+//! | [`Bench`] but for [`Bench::plants`], [`Bench::devices`], [`Bench::in_process`] and [`Bench::serve`]; [`run`], [`Outcome`] but for [`Outcome::details`] and [`Outcome::columns`], [`Error`], [`NoMetric`], [`UnknownName`] | this crate |
 //! | [`Device`] and the names of devices; [`Scenario`] as a value that is read and passed on; [`Verdict`]; [`Signal`] | this crate |
 //! | keys of scenarios, columns and files of a record, commands, options and exit codes | the documents in `docs` |
 //! | `ControlLaw`, `laws!`, `parameters!`, `signals!`, `image!`, `Measurement`, `ControlOutput`, `DriveParameters` | `lashloop-firmware` |
@@ -58,6 +58,7 @@
 //!
 //! | module | is |
 //! |---|---|
+//! | [`execution`] | a run as a value: scenario, place, clock, record, watchers |
 //! | [`rig`] | benches with hardware: rig file, limits, lock |
 //! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |
 

@@ -72,6 +72,12 @@ impl Outcome {
         self.signals.get(name).ok_or_else(|| UnknownName::new("the run", "signal", name, known()))
     }
 
+    /// Every signal, as the record has it. Not stable.
+    #[must_use]
+    pub fn columns(&self) -> &Columns {
+        &self.signals
+    }
+
     /// Name and unit of every signal.
     #[must_use]
     pub fn signals(&self) -> &[Signal] {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::cell::Cell;
 use crate::interval;
 use crate::quantile::Sorted;
-use crate::settings::{Expectation, Limit, Statistic};
+use crate::settings::{Expectation, Judge, Limit, Statistic};
 
 /// What became of an expectation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -54,7 +54,7 @@ impl Judged {
         });
         let [lower, upper] = interval.unwrap_or_default();
         let state = judge(
-            expectation.shown,
+            expectation.judge,
             limit.is_met(value),
             upper.is_some_and(|upper| limit.is_met(upper)),
             lower.is_some_and(|lower| !limit.is_met(lower)),
@@ -101,19 +101,19 @@ impl Judged {
             max: None,
             below: None,
             min: Some(least),
-            state: judge(expectation.shown, value >= least, lower >= least, upper < least),
+            state: judge(expectation.judge, value >= least, lower >= least, upper < least),
         })
     }
 }
 
 /// By the value, or by the whole interval if the limit has to be shown.
-const fn judge(by_interval: bool, value: bool, interval_meets: bool, interval_misses: bool) -> State {
-    match (by_interval, interval_meets, interval_misses) {
-        (true, true, _) => State::Met,
-        (true, false, false) => State::NotShown,
-        (true, false, true) => State::Missed,
-        (false, ..) if value => State::Met,
-        (false, ..) => State::Missed,
+const fn judge(by: Judge, value: bool, interval_meets: bool, interval_misses: bool) -> State {
+    match (by, interval_meets, interval_misses) {
+        (Judge::Interval, true, _) => State::Met,
+        (Judge::Interval, false, false) => State::NotShown,
+        (Judge::Interval, false, true) => State::Missed,
+        (Judge::Value, ..) if value => State::Met,
+        (Judge::Value, ..) => State::Missed,
     }
 }
 
@@ -183,12 +183,12 @@ mod tests {
     use super::*;
     use crate::cell::Missing;
 
-    fn expectation(what: Statistic, shown: bool) -> Expectation {
-        Expectation { part: None, variant: None, what, confidence: Some(0.95), shown }
+    fn expectation(what: Statistic, judge: Judge) -> Expectation {
+        Expectation { part: None, variant: None, what, confidence: Some(0.95), judge }
     }
 
-    fn quantile(limit: Limit, shown: bool) -> Expectation {
-        expectation(Statistic::Quantile { column: "settle_time_s".to_owned(), quantile: 0.5, limit }, shown)
+    fn quantile(limit: Limit, judge: Judge) -> Expectation {
+        expectation(Statistic::Quantile { column: "settle_time_s".to_owned(), quantile: 0.5, limit }, judge)
     }
 
     /// 1 to 100; the interval of the median is 40 to 61.
@@ -201,27 +201,29 @@ mod tests {
         let state = |limit, shown| {
             Judged::quantile(&quantile(Limit::Max(limit), shown), &hundred()).expect("runs").state
         };
-        assert_eq!([50.0, 49.9].map(|limit| state(limit, false)), [State::Met, State::Missed]);
+        assert_eq!([50.0, 49.9].map(|limit| state(limit, Judge::Value)), [State::Met, State::Missed]);
         assert_eq!(
-            [61.0, 60.9, 40.0, 39.9].map(|limit| state(limit, true)),
+            [61.0, 60.9, 40.0, 39.9].map(|limit| state(limit, Judge::Interval)),
             [State::Met, State::NotShown, State::NotShown, State::Missed]
         );
     }
 
     #[test]
     fn limit_is_missed_at_its_value_only_if_it_must_not_be_reached_and_without_a_value() {
-        let met =
-            |limit| Judged::quantile(&quantile(limit, false), &hundred()).expect("runs").state == State::Met;
+        let met = |limit| {
+            Judged::quantile(&quantile(limit, Judge::Value), &hundred()).expect("runs").state == State::Met
+        };
         assert!(met(Limit::Max(50.0)) && !met(Limit::Below(50.0)));
         let never = Sorted::new(Vec::new(), [0, 0, 3, 0, 0]);
-        let judged = Judged::quantile(&quantile(Limit::Max(1e12), false), &never).expect("runs");
+        let judged = Judged::quantile(&quantile(Limit::Max(1e12), Judge::Value), &never).expect("runs");
         assert_eq!((judged.state, judged.value), (State::Missed, Cell::Missing(Missing::Never)));
     }
 
     #[test]
     fn missed_value_is_printed_beyond_its_limit() {
         let sorted = Sorted::new(vec![1.234_645; 3], [0; Missing::ALL.len()]);
-        let line = |limit| Judged::quantile(&quantile(limit, false), &sorted).expect("runs").to_string();
+        let line =
+            |limit| Judged::quantile(&quantile(limit, Judge::Value), &sorted).expect("runs").to_string();
         assert!(line(Limit::Max(1.234_642)).contains(" 1.234645   <= 1.234642 "), "more digits of both");
         assert!(line(Limit::Max(1.3)).contains(" 1.2346   <= 1.3 "));
     }
@@ -232,9 +234,9 @@ mod tests {
             let expectation = expectation(Statistic::Pass { least: 0.95 }, shown);
             Judged::pass(&expectation, passes, 1000).expect("runs").state
         };
-        assert_eq!([950, 949].map(|passes| state(passes, false)), [State::Met, State::Missed]);
+        assert_eq!([950, 949].map(|passes| state(passes, Judge::Value)), [State::Met, State::Missed]);
         assert_eq!(
-            [970, 950, 920].map(|passes| state(passes, true)),
+            [970, 950, 920].map(|passes| state(passes, Judge::Interval)),
             [State::Met, State::NotShown, State::Missed]
         );
     }

@@ -11,7 +11,7 @@ use crate::axis::Axis;
 pub use crate::settings::{
     CampaignFile, Derived, EvidenceSettings, Expectation, Limit, Method, Part, Statistic, VariantSettings,
 };
-use crate::settings::{Condition, FIRST, LAST, MISSING, StatisticKeys};
+use crate::settings::{Condition, FIRST, Judge, LAST, MISSING, StatisticKeys};
 use crate::sobol::DIMENSIONS;
 use crate::soundness;
 
@@ -155,14 +155,15 @@ impl StatisticKeys {
 
 impl Expectation {
     pub(crate) fn checked(self, section: &mut Section<'_>) -> Self {
-        if self.shown && self.confidence.is_none() {
+        let is_shown = self.judge == Judge::Interval;
+        if is_shown && self.confidence.is_none() {
             section.reject("judge", "needs an interval; add confidence");
         }
         let is_whole = match self.what {
             Statistic::Quantile { quantile, .. } => quantile >= 1.0,
             Statistic::Pass { least } => least >= 1.0,
         };
-        if self.shown && is_whole {
+        if is_shown && is_whole {
             let problem =
                 "can't be met: no number of runs bounds the whole population; take quantile or pass < 1";
             section.reject("judge", problem);

@@ -38,16 +38,16 @@ pub fn run_case(
         }
         scenario => scenario?,
     };
-    let attempt = || {
+    let attempt = |scenario| {
         let mut watcher = stop;
-        let execution = Execution::new(scenario.clone(), device.into()).watch(&mut watcher);
+        let execution = Execution::new(scenario, device.into()).watch(&mut watcher);
         execution.run(stop.supervisor).map(|made| made.outcome)
     };
-    let mut outcome = attempt();
+    let mut outcome = attempt(scenario);
     // The system may have ended the drive, for instance without memory.
     let has_ended = matches!(outcome, Err(ExecutionError::Run(RunError::Device(DeviceError::Ended { .. }))));
     if has_ended && !stop.asked() {
-        outcome = attempt();
+        outcome = attempt(campaign.scenario(&case)?);
     }
     let result = match outcome {
         Ok(outcome) if outcome.end == End::Interrupted => return Ok(None),

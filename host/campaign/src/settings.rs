@@ -160,7 +160,7 @@ settings! {
         /// Clopper-Pearson for a fraction.
         pub confidence: Option<f64> = number(0.5..=0.999_999).optional(),
         /// What must meet the limit.
-        pub shown as "judge": bool = choice().or(Judge::Value).map(|judge, _| judge == Judge::Interval),
+        pub judge: Judge = choice().or(Judge::Value),
     }
 }
 
@@ -182,7 +182,7 @@ settings! {
 
 settings! {
     /// What must meet a limit.
-    enum Judge {
+    pub enum Judge {
         /// the value over the runs of the campaign
         "value" => Value,
         /// the whole confidence interval: the limit is shown, not only met; needs `confidence`, and a quantile or fraction below 1

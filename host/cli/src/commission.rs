@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::run::{Clock, check_bench_mode};
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
@@ -21,7 +21,7 @@ use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, plants};
-use super::output::{error_line, outln, prepare_folder, write_file};
+use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
 use lashloop::execution::{OpenDrive, Place};
@@ -127,11 +127,8 @@ impl Arguments {
         }
         let supervisor = start_supervisor()?;
         let clock = self.clock(&template, place.choice())?;
-        let drive = OpenDrive::open(&mut template.clone(), place, clock, &supervisor)?;
+        let drive = OpenDrive::open(&template, place, clock, &supervisor)?;
         let drive = drive.with_excess(Excess::Guarded);
-        if !template.run.mode.is_hil() {
-            check_bench_mode(drive.device(), clock.name())?;
-        }
         if !confirmed(&limits, &place.choice().to_string(), self.yes)? {
             outln!("not confirmed: nothing was moved");
             return Ok(Exit::Invalid);
@@ -146,12 +143,12 @@ impl Arguments {
             &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
             &plants(bench),
         );
-        source.rig = place.rig().map(|taken| taken.file.clone());
+        source.rig = place.rig_file();
         let writer = |name: &str| {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
             let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
-            Ok(Some(RecordWriter::new(claimed, source.clone()).with_csv(self.csv)))
+            Ok(Some(RecordWriter::new(claimed, source.clone())))
         };
         let mut record = |mut run: RunRecord<'_>| {
             let end = match run.halt {
@@ -160,7 +157,11 @@ impl Arguments {
                 Some(Halt::NotAtRest) | None => run.outcome.end.to_string(),
             };
             outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
-            run.writer.take().map_or(Ok(()), |writer| complete(writer, &run, &known))
+            let Some(writer) = run.writer.take() else { return Ok(()) };
+            let folder = writer.folder().to_owned();
+            complete(writer, &run, &known)?;
+            write_csv(&folder, self.csv);
+            Ok(())
         };
         let mut drive_train = OnDevice {
             scenario: &scenario,

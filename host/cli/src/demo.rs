@@ -31,9 +31,8 @@ impl Arguments {
         prepare_folder(&self.out, &[])?;
         let scenarios = demo::scenarios()?;
         let supervisor = start_supervisor()?;
-        let mut first = scenarios[0].clone();
-        let mut drive =
-            OpenDrive::open(&mut first, (&self.drive.device).into(), Clock::Lockstep, &supervisor)?;
+        let place = (&self.drive.device).into();
+        let mut drive = OpenDrive::open(&scenarios[0], place, Clock::Lockstep, &supervisor)?;
         outln!("{}", drive.device().description());
         outln!("{}", demo::head());
         let mut worst = Verdict::Pass;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop::Bench;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::run::{Clock, check_bench_mode};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -25,7 +25,7 @@ use toml_edit::DocumentMut;
 use super::error::{CliError, system};
 use super::history::run_for_figure;
 use super::options::{RigOption, plants};
-use super::output::{error_line, outln, prepare_folder, write_file};
+use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
 use super::supervision::start_supervisor;
 use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::{Rig, RigError};
@@ -85,9 +85,14 @@ impl Arguments {
         let scenarios = BENCH_SCENARIOS.map(|source| scenarios(source, of_rig, &settings, &plants(bench)));
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
-            let recorder = self.recorder(name, "experiment")?;
+            let recorder = self.recorder(name, "experiment", place.rig_file())?;
+            let folder = recorder.folder().to_owned();
             let (experiment, judged, description) = experiment(of_bench, place, &supervisor, recorder)?;
-            let (simulation, simulated) = simulate(of_hil, &supervisor, self.recorder(name, "simulation")?)?;
+            write_csv(&folder, self.csv);
+            let recorder = self.recorder(name, "simulation", None)?;
+            let folder = recorder.folder().to_owned();
+            let (simulation, simulated) = simulate(of_hil, &supervisor, recorder)?;
+            write_csv(&folder, self.csv);
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });
@@ -108,15 +113,16 @@ impl Arguments {
     }
 
     /// Records one of the runs with the scenario of this name.
-    fn recorder(&self, scenario: &str, of: &str) -> Result<RecordWriter, CliError> {
+    fn recorder(&self, scenario: &str, of: &str, rig: Option<String>) -> Result<RecordWriter, CliError> {
         let stem = Path::new(scenario).file_stem().unwrap_or_default().to_string_lossy();
         let folder = RecordFolder::claim(&self.out.join(format!("{stem}-{of}")), self.force)?;
         let source = RunSource {
             command_line: command_line(),
             working_directory: working_directory(),
+            rig,
             ..RunSource::default()
         };
-        Ok(RecordWriter::new(folder, source).with_csv(self.csv))
+        Ok(RecordWriter::new(folder, source))
     }
 
     /// Prints the table and writes the figures, the page that shows them last.
@@ -200,18 +206,18 @@ fn scenarios(
 }
 
 fn simulate(
-    mut scenario: Scenario,
+    scenario: Scenario,
     supervisor: &Supervisor,
     recorder: RecordWriter,
 ) -> Result<(Run, Verdict), CliError> {
     let choice: DeviceChoice = "inproc".parse().expect("a kind of device");
-    let mut drive = OpenDrive::open(&mut scenario, (&choice).into(), Clock::Lockstep, supervisor)?;
+    let mut drive = OpenDrive::open(&scenario, (&choice).into(), Clock::Lockstep, supervisor)?;
     run_for_figure(&mut drive, scenario, 0.0, supervisor, Some(recorder))
 }
 
 /// Runs a scenario in bench mode. Also returns what the drive is.
 fn experiment(
-    mut scenario: Scenario,
+    scenario: Scenario,
     place: Place<'_>,
     supervisor: &Supervisor,
     recorder: RecordWriter,
@@ -221,12 +227,10 @@ fn experiment(
     let clock = if has_plant { Clock::Lockstep } else { Clock::RealTime(RealTime::default()) };
     if !has_plant {
         // An operator moves no load for a drive that isn't there. The port is free while its drive is powered off and on.
-        let drive = OpenDrive::open(&mut scenario, place, clock, supervisor)?;
-        check_bench_mode(drive.device(), clock.name())?;
-        drop(drive);
+        drop(OpenDrive::open(&scenario, place, clock, supervisor)?);
         wait_for_start(&scenario)?;
     }
-    let mut drive = OpenDrive::open(&mut scenario, place, clock, supervisor)?;
+    let mut drive = OpenDrive::open(&scenario, place, clock, supervisor)?;
     for warning in drive.device().warnings() {
         error_line(format_args!("lashloop: warning: {warning}"));
     }

@@ -45,9 +45,7 @@ pub(super) fn run_for_figure(
     let progress = Progress::of(&scenario);
     let mut history = History { trace: Columns::default(), shown_from_s, progress };
     let _signals = supervisor.guard_signals();
-    let mut observers: Vec<&mut dyn StepObserver> = vec![&mut history];
-    observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
-    let outcome = drive.run(&mut scenario, observers)?;
+    let outcome = drive.run(&mut scenario, vec![&mut history], record.as_mut())?;
     if let Some(record) = record {
         record.finish(&Summary::new(&scenario, drive.device(), &outcome))?;
     }

@@ -46,7 +46,6 @@ mod parameters;
 mod ping_pong;
 mod plot;
 mod png;
-mod ports;
 mod progress;
 mod registry;
 mod replay;
@@ -76,7 +75,7 @@ registry::commands! {
     "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Campaign(campaign), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
         Show(show), Check(check), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters),
-        Ports(ports), Budget(budget);
+        Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);

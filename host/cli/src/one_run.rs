@@ -14,7 +14,7 @@ use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
 
 use super::error::CliError;
-use super::output::error_line;
+use super::output::{error_line, write_csv};
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
 use lashloop::execution::{Execution, Finished, Middleware, Place};
@@ -54,7 +54,7 @@ impl OneRun<'_> {
         let listen = recorder.map(|recorder| -> Middleware<'_> {
             Box::new(|link| Box::new(Captured::new(link, recorder)) as Box<dyn Link>)
         });
-        let record = folder.map(|folder| RecordWriter::new(folder, source).with_csv(csv));
+        let record = folder.map(|folder| RecordWriter::new(folder, source));
         let mut execution = Execution::new(scenario, place).clock(clock).middleware(listen).record(record);
         execution = execution.watch(&mut monitor).watch(&mut capture);
         if let Some(gate) = &mut gate {
@@ -89,6 +89,9 @@ impl OneRun<'_> {
         captured?;
         departure?;
         watch.finish(&finished.outcome, out.as_deref());
+        if let Some(folder) = &out {
+            write_csv(folder, csv);
+        }
         // A signal before this point would truncate the record.
         drop(signals);
         Ok(finished)

@@ -7,6 +7,7 @@ use std::{fs, process};
 
 use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_bench::verdict::Exit;
+use lashloop_record::export::csv_in_folder;
 use lashloop_record::folder::RecordFolder;
 
 use super::error::CliError;
@@ -34,6 +35,13 @@ pub(super) fn line(text: Arguments<'_>) {
 /// Prints a line on standard error. Its own write errors have no place to go and are ignored.
 pub(super) fn error_line(text: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Writes the record in a folder as CSV too, if that is wanted. The run has its verdict with or without it.
+pub(super) fn write_csv(folder: &Path, is_wanted: bool) {
+    if is_wanted && let Err(error) = csv_in_folder(folder) {
+        error_line(format_args!("lashloop: warning: no CSV of the run: {error}"));
+    }
 }
 
 /// Creates an output folder. Removes these files of an earlier command first: next to the files of an interrupted one they

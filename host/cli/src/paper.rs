@@ -38,9 +38,8 @@ impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
-        let mut first = scenario(SCENARIOS[0], None)?;
-        let mut drive =
-            OpenDrive::open(&mut first, (&self.drive.device).into(), Clock::Lockstep, &supervisor)?;
+        let (first, place) = (scenario(SCENARIOS[0], None)?, (&self.drive.device).into());
+        let mut drive = OpenDrive::open(&first, place, Clock::Lockstep, &supervisor)?;
         outln!("{}", drive.device().description());
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();

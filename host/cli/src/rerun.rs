@@ -125,7 +125,7 @@ impl Arguments {
             (self.set.iter().cloned().map(Override::Set).collect::<Vec<_>>(), plants(bench));
         let scenario = Scenario::from_file_with(&file, &overrides, &plants)?;
         let mut source = RunSource::new(&file, &overrides, &plants);
-        source.rig = place.rig().map(|taken| taken.file.clone());
+        source.rig = place.rig_file();
         let clock = match manifest.clock {
             ClockName::Lockstep => Clock::Lockstep,
             ClockName::RealTime => Clock::RealTime(manifest.real_time.unwrap_or_default().into()),

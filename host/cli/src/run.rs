@@ -102,7 +102,7 @@ impl Arguments {
         let clock = self.clock.clock()?;
         let rig = self.rig.take(bench, &format!("run {}", scenario.name))?;
         let place = Place::of(rig.as_ref(), &self.device);
-        source.rig = place.rig().map(|taken| taken.file.clone());
+        source.rig = place.rig_file();
         place.check(&scenario)?;
         let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let folder = self.record.claim(Path::new(&scenario.name))?;

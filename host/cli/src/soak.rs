@@ -165,13 +165,13 @@ fn one_run(
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
 ) -> (Result<Outcome, ExecutionError>, Option<Summary>) {
-    let made = OpenDrive::open(&mut scenario.clone(), choice.into(), Clock::Lockstep, supervisor);
+    let made = OpenDrive::open(scenario, choice.into(), Clock::Lockstep, supervisor);
     let mut drive = match made {
         Ok(drive) => drive,
         Err(error) => return (Err(error), None),
     };
     watcher.process = drive.device().connection.host.process().map(|process| process.id);
-    let result = drive.run(&mut scenario.clone(), vec![watcher]);
+    let result = drive.run(&mut scenario.clone(), vec![watcher], None);
     let summary = result.as_ref().ok().map(|outcome| Summary::new(scenario, drive.device(), outcome));
     (result, summary)
 }

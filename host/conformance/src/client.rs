@@ -17,7 +17,7 @@ use lashloop_session::{Description, Parameter, SessionError, handshake};
 use super::answers::{command_result, hello, identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal, preparation};
 use super::range::in_type_of;
-use super::time_up::TimeUp;
+use super::time_up::{Starvation, TimeUp};
 use super::words::Words;
 
 /// Time for the answers to one request. A drive answers at once.
@@ -82,7 +82,8 @@ impl Client {
         let describing = line.now().saturating_duration_since(started);
         let exchange = describing / answers;
         let defects = defects.iter().map(ToString::to_string).collect();
-        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starved: line.starved() };
+        let time_up =
+            TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starvation: Starvation::look(&mut line) };
         let (state, note) = (identity.state, String::new());
         let (slowest, waited_until, settled) = (Duration::ZERO, line.now(), 0);
         Ok(Self {

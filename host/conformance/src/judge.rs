@@ -9,12 +9,12 @@ use super::assertion::{Failure, RuleResult};
 use super::check::Check;
 use super::client::{Client, REQUEST_LIMIT};
 use super::result::{CheckResult, CheckStatus};
-use super::time_up::TimeUp;
+use super::time_up::{Starvation, TimeUp};
 
 /// Time for all checks of any drive. The slowest line on which all checks are made, of 115,200 Bd, takes half of it.
 const RUN_LIMIT: Duration = Duration::from_secs(60);
 const RUN_TIME_UP: &str = "60 s have passed";
-/// Time for one check.
+/// Time for one attempt at a check.
 const CHECK_LIMIT: Duration = Duration::from_secs(5);
 /// Consecutive checks without a good frame after which the drive is lost.
 const MOST_SILENT_CHECKS: u32 = 3;
@@ -25,8 +25,8 @@ pub(super) const ATTEMPTS: u32 = 3;
 pub(super) struct Judge {
     /// When the time for all checks ends, but for the time for which the drive's program waits for a core.
     ends_at: Instant,
-    /// How long it has waited before.
-    starved: Duration,
+    /// At the start.
+    starvation: Starvation,
     /// Preparations that failed, each with the name of the check that reports it.
     failed_preparations: HashMap<String, String>,
     /// Consecutive checks without a good frame.
@@ -41,7 +41,7 @@ impl Judge {
     pub(super) fn new(client: &mut Client) -> Self {
         Self {
             ends_at: client.opened_at + RUN_LIMIT,
-            starved: client.line.starved(),
+            starvation: Starvation::look(&mut client.line),
             failed_preparations: HashMap::new(),
             silent_checks: 0,
             is_made: false,
@@ -83,17 +83,17 @@ impl Judge {
     }
 
     fn attempt(&mut self, client: &mut Client, run: &dyn Fn(&mut Client) -> RuleResult) -> RuleResult {
-        let (now, starved) = (client.line.now(), client.line.starved());
-        let run_ends_at = self.ends_at + starved.saturating_sub(self.starved);
+        let (now, starvation) = (client.line.now(), Starvation::look(&mut client.line));
+        let run_ends_at = self.ends_at + self.starvation.until(starvation);
         self.is_made = now < run_ends_at;
         if !self.is_made {
             return Err(Failure::NotJudged { cause: RUN_TIME_UP.to_owned() });
         }
         let check_ends_at = now + CHECK_LIMIT;
         client.begin(if check_ends_at < run_ends_at {
-            TimeUp { at: check_ends_at, cause: "5 s have passed in this check", starved }
+            TimeUp { at: check_ends_at, cause: "5 s have passed in this check", starvation }
         } else {
-            TimeUp { at: run_ends_at, cause: RUN_TIME_UP, starved }
+            TimeUp { at: run_ends_at, cause: RUN_TIME_UP, starvation }
         });
         client.reset()?;
         run(client)

@@ -9,8 +9,26 @@ use lashloop_session::line::Line;
 pub(super) struct TimeUp {
     pub(super) at: Instant,
     pub(super) cause: &'static str,
-    /// Time for which the program has waited at the last look.
-    pub(super) starved: Duration,
+    pub(super) starvation: Starvation,
+}
+
+/// How long the drive's program had waited for a core at a look.
+#[derive(Clone, Copy)]
+pub(super) struct Starvation {
+    seen_at: Instant,
+    starved: Duration,
+}
+
+impl Starvation {
+    pub(super) fn look(line: &mut Line) -> Self {
+        Self { seen_at: line.now(), starved: line.starved() }
+    }
+
+    /// The wait from this look to a later one: of several threads at most the time that has passed.
+    pub(super) fn until(self, later: Self) -> Duration {
+        let passed = later.seen_at.saturating_duration_since(self.seen_at);
+        later.starved.saturating_sub(self.starved).min(passed)
+    }
 }
 
 impl TimeUp {
@@ -19,9 +37,9 @@ impl TimeUp {
         if line.now() < self.at {
             return false;
         }
-        let starved = line.starved();
-        self.at += starved.saturating_sub(self.starved);
-        self.starved = starved;
+        let now = Starvation::look(line);
+        self.at += self.starvation.until(now);
+        self.starvation = now;
         line.now() >= self.at
     }
 }

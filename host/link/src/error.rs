@@ -26,7 +26,7 @@ pub enum LinkError {
     /// The adapter was unplugged, and its name now is that of another one.
     #[error(
         "another adapter has taken the name: expected {expected}, found {found}; plug in the former one, and name it by its \
-         path under /dev/serial/by-id, which `lashloop ports` lists"
+         path under /dev/serial/by-id, which `lashloop doctor` lists"
     )]
     OtherAdapter {
         /// The adapter that the link was opened on.

@@ -1,4 +1,4 @@
-//! Models of plants: registered values with a name, keys and a way to build the plant.
+//! Models of plants: registered values with a name, keys and a function that builds the plant.
 
 use std::fmt;
 use std::sync::Arc;

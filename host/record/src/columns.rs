@@ -21,7 +21,7 @@ impl Columns {
 
     /// Columns with their values, which are of one length.
     #[must_use]
-    pub fn from_parts(parts: impl IntoIterator<Item = (Signal, Vec<f64>)>) -> Self {
+    pub(crate) fn from_parts(parts: impl IntoIterator<Item = (Signal, Vec<f64>)>) -> Self {
         let (signals, values) = parts.into_iter().unzip();
         Self { signals, values }
     }

@@ -126,7 +126,7 @@ pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), Expo
 ///
 /// # Errors
 /// The record can't be read, or the file can't be written.
-pub(crate) fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
+pub fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
     let path = folder.join(EXPORT_FILES[0]);
     let failed =
         |error: String| WriteError { path: path.clone(), action: "written", source: io::Error::other(error) };

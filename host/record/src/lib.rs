@@ -6,10 +6,11 @@
 //! | `scenario.toml` | the scenario with every key; it runs again as it is | before the first step | [`resolved`] |
 //! | `run.mcap` | every sample with all its bits, schemas inside, the other files attached | by whole chunks | [`samples`] |
 //! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
+//! | `reference.csv` | the points of a reference by table | before the first step | [`resolved`] |
 //! | `failure.json` | instead of a summary, the error that ended the run | at the end | [`failure`] |
 //!
 //! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, [`export`] writes them in other formats, and [`diff`]
-//! compares two records. Manifest and summary are one type each, for writer and readers. Chunks are written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
+//! compares two records. Manifest and summary are one type each, for writer and readers. Chunks are written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted, or failed.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

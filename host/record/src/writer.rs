@@ -7,7 +7,6 @@ use lashloop_bench::run::{Event, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::SignalTable;
 
-use crate::export;
 use crate::failure::Failure;
 use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::folder::RecordFolder;
@@ -22,8 +21,6 @@ use crate::summary::Summary;
 pub struct RecordWriter {
     folder: RecordFolder,
     source: RunSource,
-    /// Whether CSV is written too.
-    csv: bool,
     /// Created at the start, when the signals are known.
     files: Option<Files>,
 }
@@ -32,13 +29,7 @@ impl RecordWriter {
     /// Writes to this folder.
     #[must_use]
     pub fn new(folder: RecordFolder, source: RunSource) -> Self {
-        Self { folder, source, csv: false, files: None }
-    }
-
-    /// With `csv`, [`finish`](Self::finish) writes the record as CSV too: `export.csv`, as `lashloop export` does.
-    #[must_use]
-    pub fn with_csv(self, csv: bool) -> Self {
-        Self { csv, ..self }
+        Self { folder, source, files: None }
     }
 
     /// The folder.
@@ -67,10 +58,9 @@ impl RecordWriter {
     /// A file can't be written.
     pub fn finish(self, summary: &Summary) -> Result<(), WriteError> {
         match self.files {
-            Some(files) => files.finish(&self.folder, summary)?,
-            None => return summary.write(&self.folder.path().join(SUMMARY_FILE)),
+            Some(files) => files.finish(&self.folder, summary),
+            None => summary.write(&self.folder.path().join(SUMMARY_FILE)),
         }
-        if self.csv { export::csv_in_folder(self.folder.path()) } else { Ok(()) }
     }
 }
 

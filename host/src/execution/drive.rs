@@ -1,12 +1,11 @@
 //! The drive of a place, opened.
 
 use lashloop_bench::device::Device;
-use lashloop_bench::run::{
-    self, Clock, DeviceUnderTest, Observers, Outcome, StepObserver, check_bench_mode, takes_torque,
-};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, Observers, Outcome, StepObserver, check_bench_mode};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_link::Link;
+use lashloop_record::writer::RecordWriter;
 
 use super::error::ExecutionError;
 use super::place::Place;
@@ -31,7 +30,7 @@ impl<'a> OpenDrive<'a> {
     /// # Errors
     /// The scenario exceeds the rig, or the drive can't be reached, is on another board or can't make runs in this mode.
     pub fn open(
-        scenario: &mut Scenario,
+        scenario: &Scenario,
         place: Place<'a>,
         clock: Clock,
         supervisor: &'a Supervisor,
@@ -40,7 +39,7 @@ impl<'a> OpenDrive<'a> {
     }
 
     pub(super) fn open_through(
-        scenario: &mut Scenario,
+        scenario: &Scenario,
         place: Place<'a>,
         clock: Clock,
         supervisor: &'a Supervisor,
@@ -48,16 +47,19 @@ impl<'a> OpenDrive<'a> {
     ) -> Result<Self, ExecutionError> {
         let rig = place.rig();
         place.check(scenario)?;
-        if let Some(taken) = rig {
-            scenario.link.baud = taken.rig.port.baud;
-        }
+        let on_rig = rig.map(|taken| taken.rig.on_line(scenario));
+        let scenario = on_rig.as_ref().unwrap_or(scenario);
         let under_test =
             DeviceUnderTest::open(scenario, place.choice(), clock.name(), supervisor, middleware)?;
+        let device = &under_test.device;
         if let Some(taken) = rig {
-            taken.rig.check_board(&under_test.device)?;
-            if !scenario.run.mode.is_hil() {
-                check_bench_mode(&under_test.device, clock.name())?;
-            }
+            taken.rig.check_board(device)?;
+        }
+        if !scenario.run.mode.is_hil() {
+            check_bench_mode(device, clock.name())?;
+        }
+        if let Some(taken) = rig {
+            taken.rig.check_reference(scenario, &device.session)?;
         }
         Ok(Self { under_test, rig, excess: Excess::Rejected, clock, supervisor })
     }
@@ -79,23 +81,24 @@ impl<'a> OpenDrive<'a> {
         self.under_test
     }
 
-    /// Makes a run, which a signal of the user ends. On a rig the scenario is completed with its limits.
+    /// Makes a run, which a signal of the user ends. Each step goes to the watchers, then to the record. On a rig the scenario is
+    /// completed with its limits.
     ///
     /// # Errors
     /// The scenario doesn't fit the drive or its rig; drive, link, plant or an observer failed.
     pub fn run(
         &mut self,
         scenario: &mut Scenario,
-        observers: Vec<&mut dyn StepObserver>,
+        watchers: Vec<&mut dyn StepObserver>,
+        record: Option<&mut RecordWriter>,
     ) -> Result<Outcome, ExecutionError> {
         if let Some(taken) = self.rig {
-            let session = &self.under_test.device.session;
-            taken.rig.bound(scenario, session, self.excess, takes_torque(scenario, session))?;
+            taken.rig.bound(scenario, &self.under_test.device.session, self.excess)?;
         }
-        let mut interrupt = Interrupt(self.supervisor);
-        let mut observers = Observers(observers);
-        let mut all = Observers(vec![&mut interrupt, &mut observers]);
-        Ok(run::run(scenario, &mut self.under_test, self.clock, &mut all)?)
+        let (mut interrupt, mut watchers) = (Interrupt(self.supervisor), Observers(watchers));
+        let mut all: Vec<&mut dyn StepObserver> = vec![&mut interrupt, &mut watchers];
+        all.extend(record.map(|it| it as &mut dyn StepObserver));
+        Ok(run::run(scenario, &mut self.under_test, self.clock, &mut Observers(all))?)
     }
 }
 
@@ -144,9 +147,9 @@ mod tests {
 
     fn run(rig: &TakenRig, mut scenario: Scenario) -> Result<Option<f32>, String> {
         let supervisor = Supervisor::without_signals(None).expect("threads");
-        let opened = OpenDrive::open(&mut scenario, rig.into(), Clock::Lockstep, &supervisor);
+        let opened = OpenDrive::open(&scenario, rig.into(), Clock::Lockstep, &supervisor);
         let mut drive = opened.map_err(|error| error.to_string())?;
-        drive.run(&mut scenario, Vec::new()).map_err(|error| error.to_string())?;
+        drive.run(&mut scenario, Vec::new(), None).map_err(|error| error.to_string())?;
         let session = &drive.device().session;
         let limit = session.parameter("torque_limit_nm").map(|limit| session.in_force(limit));
         Ok(limit.and_then(|limit| match limit {
@@ -161,6 +164,21 @@ mod tests {
         let unlimited =
             ["controller.parameters={}", "reference={ profile = \"constant\", position_rad = 0.0 }"];
         assert_eq!(run(&rig, scenario(&unlimited)), Ok(Some(5.0)));
+    }
+
+    #[test]
+    fn the_drive_of_a_rig_is_opened_and_run_at_the_speed_of_its_port() {
+        let rig = rig(&RIG.replace("[limits]", "baud = 115200\n[limits]"), "4");
+        let supervisor = Supervisor::without_signals(None).expect("threads");
+        let mut still = scenario(&[
+            "controller.parameters={}",
+            "reference={ profile = \"constant\", position_rad = 0.0 }",
+        ]);
+        assert_eq!(rig.rig.on_line(&still).link.baud, 115_200);
+        let mut drive =
+            OpenDrive::open(&still, (&rig).into(), Clock::Lockstep, &supervisor).expect("a drive");
+        drive.run(&mut still, Vec::new(), None).expect("a run");
+        assert_eq!(still.link.baud, 115_200, "as its record has it");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A run as a value: scenario, place, clock, record and watchers.
 //!
-//! Every run of every command is an [`Execution`], so what holds for one holds for all: a signal of the user ends it, and on a
-//! rig the limits of the rig apply. No function opens a rig without them.
+//! A run is an [`Execution`], or one of several of an [`OpenDrive`], so what holds for one holds for all: a signal of the user
+//! ends it, and on a rig the limits of the rig apply.
 //!
 //! | module | has |
 //! |---|---|
@@ -75,9 +75,9 @@ impl<'a> Execution<'a> {
     /// # Errors
     /// The scenario exceeds the rig, or the drive can't be reached.
     pub fn open(self, supervisor: &'a Supervisor) -> Result<Ready<'a>, ExecutionError> {
-        let Self { mut scenario, place, clock, middleware, tools } = self;
+        let Self { scenario, place, clock, middleware, tools } = self;
         let middleware = middleware.unwrap_or_else(|| Box::new(|link| link));
-        let drive = OpenDrive::open_through(&mut scenario, place, clock, supervisor, middleware)?;
+        let drive = OpenDrive::open_through(&scenario, place, clock, supervisor, middleware)?;
         Ok(Ready { scenario, drive, tools })
     }
 
@@ -111,10 +111,8 @@ impl Ready<'_> {
     /// The scenario doesn't fit the drive or its rig; drive, link, plant or record failed.
     pub fn run(self) -> Result<Made, ExecutionError> {
         let Self { mut scenario, mut drive, tools: Tools { mut watchers, mut record } } = self;
-        let mut observers: Vec<&mut dyn StepObserver> = Vec::with_capacity(watchers.len() + 1);
-        observers.extend(watchers.iter_mut().map(|it| &mut **it as &mut dyn StepObserver));
-        observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
-        let outcome = drive.run(&mut scenario, observers)?;
+        let watchers = watchers.iter_mut().map(|it| &mut **it as &mut dyn StepObserver).collect();
+        let outcome = drive.run(&mut scenario, watchers, record.as_mut())?;
         Ok(Made { scenario, outcome, drive: drive.end(), record })
     }
 }

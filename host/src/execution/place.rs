@@ -40,6 +40,12 @@ impl<'a> Place<'a> {
         taken.rig.check_present()
     }
 
+    /// The rig file as the user named it, for the record; `None` on a device.
+    #[must_use]
+    pub fn rig_file(self) -> Option<String> {
+        self.rig().map(|taken| taken.rig.file.display().to_string())
+    }
+
     /// The rig; `None` on a device.
     #[must_use]
     pub fn rig(self) -> Option<&'a TakenRig> {

@@ -234,7 +234,7 @@ fn device(port: &Section<'_>, parse: ParseDevice<'_>) -> DeviceChoice {
     let Some(text) = port.text("device") else { return NativeTwin.into() };
     if ["/dev/ttyUSB", "/dev/ttyACM"].iter().any(|start| text.starts_with(start)) {
         let reason = "is a name that another adapter can take after a reconnect; write the name under \
-                      /dev/serial/by-id that `lashloop ports` prints";
+                      /dev/serial/by-id that `lashloop doctor` prints";
         port.reject("device", reason);
     }
     let reason = match parse(text) {
@@ -254,14 +254,14 @@ impl PowerStage {
     fn checked(self, stage: &mut Section<'_>) -> Self {
         if self.torque_per_duty_nm.is_some_and(|scale_nm| scale_nm.abs() < SMALLEST_SCALE_NM) {
             let reason = format!(
-                "is too small to produce torque; abs(torque_per_duty_nm) must be >= {SMALLEST_SCALE_NM}"
+                "is too small to produce torque; abs(torque_per_duty_nm) must be >= {SMALLEST_SCALE_NM} N m"
             );
             stage.reject("torque_per_duty_nm", reason);
         }
         let [min, offset, max] =
             [("duty_min", self.duty_min), ("duty_offset", self.duty_offset), ("duty_max", self.duty_max)]
                 .map(|(name, given)| given.unwrap_or_else(|| pin_default(name)));
-        if !(min <= offset && offset <= max) {
+        if min > offset || offset > max {
             stage.reject_section(format!(
                 "has duty_min = {min}, duty_offset = {offset}, duty_max = {max}, defaults of the drive included; the offset is the \
                  duty of no torque and lies between the others"

@@ -1,4 +1,4 @@
-//! The limits of a rig, held against a scenario before anything is opened.
+//! The limits of a rig, held against a scenario: parameters before anything is opened, the reference before the drive moves.
 
 use std::path::{Path, PathBuf};
 
@@ -128,7 +128,7 @@ impl Limits {
     ///
     /// # Errors
     /// Every parameter beyond its limit.
-    pub fn check_parameters(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
+    pub(crate) fn check_parameters(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
         let limits = self.of_drive(scenario.run.mode);
         let exceeded_by = |setting: &ParameterSetting| {
             let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
@@ -148,7 +148,7 @@ impl Limits {
     ///
     /// # Errors
     /// The first limit that the reference exceeds.
-    pub fn check_reference(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
+    pub(crate) fn check_reference(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
         let extremes = Extremes::of(scenario);
         let error = |key, reached, largest, unit| LimitError::Reference {
             scenario: scenario.name.clone(),

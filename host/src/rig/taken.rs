@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lashloop_bench::device::{Device, DeviceChoice, DeviceError, Syntax};
+use lashloop_bench::run::takes_torque;
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::verdict::Exit;
 use lashloop_session::{Session, printable};
@@ -51,8 +52,6 @@ impl RigError {
 pub struct TakenRig {
     /// What the rig file says.
     pub rig: Rig,
-    /// The file as the user named it.
-    pub file: String,
     _lock: RigLock,
 }
 
@@ -64,7 +63,7 @@ impl TakenRig {
     pub fn take(file: &Path, devices: &[Syntax], purpose: &str) -> Result<Self, RigError> {
         let rig = Rig::from_file(file, &|text| DeviceChoice::parse(text, devices))?;
         let lock = RigLock::take(&rig.port.without_limits().to_string(), &format!("lashloop {purpose}"))?;
-        Ok(Self { rig, file: file.display().to_string(), _lock: lock })
+        Ok(Self { rig, _lock: lock })
     }
 }
 
@@ -76,7 +75,7 @@ impl Rig {
         let exists = port.exists();
         (!exists).then(|| {
             format!(
-                "hardware absent: there is no {} on this machine; plug in the rig, see `lashloop ports`, or ask {}",
+                "hardware absent: there is no {} on this machine; plug in the rig, see `lashloop doctor`, or ask {}",
                 port.display(),
                 self.contact
             )
@@ -102,8 +101,26 @@ impl Rig {
         Err(device.unfit(format!("its board is {has}, that of {file} is {}", self.board)))
     }
 
-    /// Bounds a scenario by the limits, and completes it for this drive. `takes_torque` is whether the law takes its reference
-    /// as a torque, by the drive's description.
+    /// The scenario at the speed of the rig's port.
+    pub(crate) fn on_line(&self, scenario: &Scenario) -> Scenario {
+        let mut scenario = scenario.clone();
+        scenario.link.baud = self.port.baud;
+        scenario
+    }
+
+    /// Checks a reference that the law takes as a position, by the drive's description. A torque has no travel: the drive limits
+    /// it, and in bench mode the run ends where the load leaves the travel.
+    ///
+    /// # Errors
+    /// The reference exceeds travel or speed.
+    pub(crate) fn check_reference(&self, scenario: &Scenario, session: &Session) -> Result<(), RigError> {
+        if takes_torque(scenario, session) {
+            return Ok(());
+        }
+        Ok(self.limits.check_reference(scenario, &self.file)?)
+    }
+
+    /// Bounds a scenario by the limits, and completes it for this drive.
     ///
     /// # Errors
     /// The scenario exceeds a limit, or the drive lacks the parameter of one.
@@ -112,20 +129,17 @@ impl Rig {
         scenario: &mut Scenario,
         session: &Session,
         excess: Excess,
-        takes_torque: bool,
     ) -> Result<(), RigError> {
         match excess {
             Excess::Rejected => {
                 self.allows(scenario)?;
-                // A torque has no travel: the drive limits it, and in bench mode the run ends where the load leaves the travel.
-                if !takes_torque {
-                    self.limits.check_reference(scenario, &self.file)?;
-                }
+                self.check_reference(scenario, session)?;
             }
             Excess::Guarded => {
                 let _ = self.limits.reduce(scenario);
             }
         }
+        scenario.link.baud = self.port.baud;
         self.complete(scenario, &session.parameters)?;
         if excess == Excess::Guarded {
             scenario.bench.load_travel_limit_rad = None;

@@ -1,4 +1,4 @@
-//! What a reader says about each key of each file of settings: under a wrong name, absent, of another type, out of range.
+//! What a reader says about the keys of these files of settings: under a wrong name, absent, of another type, out of range.
 
 use std::fmt::Write;
 use std::fs;

@@ -1,6 +1,7 @@
 //! `lashloop run --rig`.
 
 use std::fs;
+use std::path::Path;
 
 use rustix::process::Signal;
 use tests::loss::run_in_progress;
@@ -65,9 +66,24 @@ fn a_reference_beyond_the_travel_moves_no_drive() {
         "--set",
         "controller.parameters.torque_limit_nm=5",
     ];
-    let ended = run(&rig, &far).with_code(2);
+    let records = Records::new();
+    let ended = run(&rig, &[&far[..], &["--out", &records.out()]].concat()).with_code(2);
     assert!(ended.stderr.contains("the reference reaches 0.600000 rad"), "{}", ended.stderr);
     assert_eq!(ended.stdout, "", "a verdict without a run");
+    assert!(!Path::new(&records.out()).join("run.mcap").exists(), "a record without a run");
+}
+
+#[test]
+fn a_record_of_a_rig_is_run_again_on_the_rig_alone() {
+    let (twin, records) = (Twin::start(), Records::new());
+    let (rig, out) = (RigFile::new(&twin.device()), records.out());
+    let short = ["--set", "run.duration_s=0.5", "--set", "expect=[]", "--out", &out];
+    let _ = run(&rig, &[&PATIENCE[..], &short].concat()).with_code(0);
+    let without = program::run(["rerun", &out]).with_code(2).stderr;
+    assert!(without.contains(&format!("give --rig {}, whose limits a run keeps", rig.path())), "{without}");
+    let _ = program::run(["rerun", &out, "--rig", &rig.path()]).with_code(0);
+    let beyond = ["rerun", &out, "--rig", &rig.path(), "--set", "controller.parameters.torque_limit_nm=1000"];
+    assert!(program::run(beyond).with_code(2).stderr.contains("exceeds the rig"));
 }
 
 #[test]

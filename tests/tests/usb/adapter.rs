@@ -15,7 +15,7 @@ const DOCTOR: [&str; 4] = ["doctor", "/dev/ttyUSB0", "--rounds", "60"];
 
 pub(crate) fn listed(machine: &mut Machine) {
     let device = Device::plug(machine, Kind::Adapter, "LASHF1");
-    let ports = device.machine.lashloop(&["ports"]).with_code(0).stdout;
+    let ports = device.machine.lashloop(&["doctor"]).with_code(0).stdout;
     let wanted = ["/dev/ttyUSB0     USB 0403:6001  FTDI, FT232R USB UART, serial number LASHF1"];
     for line in wanted.into_iter().chain([Kind::Adapter.stable_name("LASHF1").as_str()]) {
         assert!(ports.contains(line), "{line} in\n{ports}");

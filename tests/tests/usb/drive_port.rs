@@ -10,7 +10,7 @@ fn plug(machine: &mut Machine) -> Device<'_> {
 
 pub(crate) fn listed(machine: &mut Machine) {
     let device = plug(machine);
-    let ports = device.machine.lashloop(&["ports"]).with_code(0).stdout;
+    let ports = device.machine.lashloop(&["doctor"]).with_code(0).stdout;
     let name = Kind::DrivePort.stable_name("LASHC1");
     for line in ["USB 1209:0001  Lashloop, Lashloop drive, serial number LASHC1", &name] {
         assert!(ports.contains(line), "{line} in\n{ports}");

@@ -64,7 +64,7 @@ settings! {
     #[derive(Debug, Clone, PartialEq, Serialize)]
     pub struct BenchSettings {
         /// Where the load stands at the first step.
-        pub start: BenchStart = choice().or(BenchStart::Initial),
+        pub start: BenchStart = choice().or(BenchStart::default()),
         /// Largest distance of the load from zero in both directions, or from its first position with `start = "anywhere"`. A load
         /// beyond it ends the run.
         #[serde(skip_serializing_if = "Option::is_none")]

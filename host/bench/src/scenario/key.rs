@@ -74,7 +74,7 @@ impl KeyKind {
             Self::Texts { allowed, .. } => (*allowed).to_owned(),
             Self::Choice(choices) | Self::Choices(choices) => either(choices.iter().map(|it| it.name)),
             Self::Values | Self::Section(_) | Self::Sections(_) => {
-                "a list of numbers, booleans or texts".to_owned()
+                "a list of numbers, booleans or texts, at least one".to_owned()
             }
         }
     }

@@ -28,12 +28,6 @@ pub const fn positive(high: f64) -> NumberRange {
 }
 
 impl NumberRange {
-    /// This range with another upper end.
-    #[must_use]
-    pub const fn up_to(self, high: f64) -> Self {
-        Self { high, ..self }
-    }
-
     pub(super) fn contains(self, number: f64) -> bool {
         let above = if self.low_is_allowed { number >= self.low } else { number > self.low };
         above && number <= self.high

@@ -82,9 +82,7 @@ impl DriveTrain for OnDevice<'_> {
         let mut watch = Watch { columns, guard, halt: None, in_force, instruments };
         let name = &motion.name;
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
-        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut watch];
-        observers.extend(writer.as_mut().map(|it| it as &mut dyn StepObserver));
-        let outcome = self.drive.run(&mut scenario, observers)?;
+        let outcome = self.drive.run(&mut scenario, vec![&mut watch], writer.as_mut())?;
         let Watch { columns, guard, halt, in_force, .. } = watch;
         if halt == Some(Halt::NotAtRest) {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);

@@ -7,4 +7,4 @@ mod drive_train;
 mod scenario;
 
 pub use drive_train::{MotionError, OnDevice, RecordError, RunRecord};
-pub use scenario::{LAW, settings};
+pub use scenario::settings;

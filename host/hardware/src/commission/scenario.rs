@@ -12,7 +12,7 @@ use lashloop_identify::excitation::Limits;
 use lashloop::rig::file::pin_default;
 
 /// The law that commands the reference as a torque.
-pub const LAW: &str = "open-loop";
+const LAW: &str = "open-loop";
 
 /// Settings that make a commissioning of any scenario: the law, the limits as parameters of the drive, no expectation. The
 /// mode, the encoders, the period and the plant of the scenario stay.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`tty_users`] | processes that have the terminal open |
 //! | [`round_trip`] | time from sample to torque |
+//! | [`measured_line`] | a line as the axes of a link-budget map have it |
 //! | `assessment` | judges each of these |
 //! | [`finding`] | the result for one property |
 //!

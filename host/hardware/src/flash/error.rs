@@ -115,7 +115,7 @@ pub enum FlashError {
     SameBuild { drive: Build },
     /// Which port the drive is at, is not clear.
     #[error(
-        "{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop ports` lists them"
+        "{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop doctor` lists them"
     )]
     Ports(usize),
 }

@@ -1,18 +1,18 @@
 //! Firmware onto a drive: by a debug probe, or by the chip's own boot loader over USB or a UART.
 //!
 //! ```text
-//! ELF ──▶ image ──▶ the way that is there ──▶ program of that way ──▶ drive restarts ──▶ handshake ──▶ its build = the image's?
+//! ELF ──▶ image ──▶ the first available method ──▶ its program ──▶ drive restarts ──▶ handshake ──▶ its build = the image's?
 //! ```
 //!
 //! | module | is |
 //! |---|---|
-//! | [`way`] | the ways whose programs are installed |
+//! | [`way`] | the methods whose programs are installed |
 //! | [`image`] | [`Image`]: the bytes for the flash, and the build, from an ELF |
 //! | [`program`] | a program of another project, run with a limit of time and without its output |
 //! | [`error`](mod@error) | [`FlashError`] |
 //! | [`target`] | the chip as its loaders see it |
-//! | [`probe`], [`dfu`], [`uart`] | one way each: whether it is there, and its command lines |
-//! | [`writer`] | the choice of a way, and the writing |
+//! | [`probe`], [`dfu`], [`uart`] | one method each: whether it is available, and its command lines |
+//! | [`writer`] | the choice of a method, and the writing |
 //! | [`confirmation`] | the handshake after it |
 //!
 //! The programs read back what they wrote. "Flashed" is the drive's own report of the build, nothing less.

@@ -1,4 +1,4 @@
-//! The choice of a way, and the writing.
+//! The choice of a method, and the writing.
 
 use super::error::FlashError;
 use super::image::Image;
@@ -7,10 +7,10 @@ use super::target::Target;
 use super::{dfu, probe, uart};
 use lashloop::rig::way::Way;
 
-/// Finds the first way that is there: of all, or of one. Nothing is written.
+/// Finds the first available method: of all, or of one. Nothing is written.
 ///
 /// # Errors
-/// No way is there; the error has the reason of each.
+/// None is available; the error has the reason of each.
 pub fn find(only: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<Way, FlashError> {
     let mut reasons = Vec::new();
     for way in Way::ALL.into_iter().filter(|way| only.is_none_or(|only| only == *way)) {
@@ -30,7 +30,7 @@ pub fn find(only: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<W
 /// Writes an image, compares it with the flash, and starts it.
 ///
 /// # Errors
-/// The program of the way fails or is interrupted, or the flash differs; the error has how to continue.
+/// The program of the method fails or is interrupted, or the flash differs; the error has how to continue.
 pub fn write(way: Way, image: &Image, target: &Target, runner: &Runner<'_>) -> Result<(), FlashError> {
     let folder =
         tempfile::tempdir().map_err(|source| FlashError::File { path: std::env::temp_dir(), source })?;

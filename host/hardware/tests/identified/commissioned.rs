@@ -36,8 +36,8 @@ fn commissioned(
     let supervisor = Supervisor::without_signals(None).expect("threads");
     let instruments = Instruments::exact(4000, 4000, 1000);
     let device = Bench::new().device("inproc").expect("a device");
-    let mut template = scenario(&[]).expect("a scenario");
-    let drive = OpenDrive::open(&mut template, (&device).into(), Clock::Lockstep, &supervisor);
+    let template = scenario(&[]).expect("a scenario");
+    let drive = OpenDrive::open(&template, (&device).into(), Clock::Lockstep, &supervisor);
     let mut drive_train = OnDevice {
         scenario: &scenario,
         drive: drive.expect("a drive"),

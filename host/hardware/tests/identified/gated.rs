@@ -4,7 +4,6 @@ use std::fs;
 
 use lashloop::{Bench, Outcome, Scenario, run};
 use lashloop_hardware::identify::gate::{Departure, Intervals, RecordedMotion, check, intervals};
-use lashloop_record::columns::Columns;
 
 fn scenario(settings: &[&str]) -> Scenario {
     let all = [settings, &["run.duration_s=3", "expect=[]", r#"meant=["mismatch"]"#]].concat();
@@ -14,13 +13,7 @@ fn scenario(settings: &[&str]) -> Scenario {
 fn recorded(settings: &[&str]) -> RecordedMotion {
     let device = Bench::new().device("inproc").expect("a device");
     let outcome: Outcome = run(&scenario(settings), &device).expect("a run");
-    let mut columns = Columns::new(outcome.signals().to_vec());
-    let column = |name: &str| outcome.signal(name).expect("a column").to_vec();
-    let values: Vec<_> = outcome.signals().iter().map(|signal| column(&signal.name)).collect();
-    for row in 0..values[0].len() {
-        columns.push(values.iter().map(|column| column[row]));
-    }
-    RecordedMotion::of(&columns).expect("torques and positions")
+    RecordedMotion::of(outcome.columns()).expect("torques and positions")
 }
 
 /// Settings of other plants.

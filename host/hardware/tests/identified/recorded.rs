@@ -3,7 +3,6 @@
 use lashloop::{Bench, run};
 use lashloop_hardware::identify::record::series;
 use lashloop_identify::{Direction, Identified, Instruments, Start, identify};
-use lashloop_record::columns::Columns;
 
 use crate::commissioned::assert_shown;
 
@@ -13,14 +12,8 @@ fn identified(scenario: &str, settings: &[&str]) -> Identified {
     let all = [settings, &["run.duration_s=6", "expect=[]", r#"meant=["mismatch"]"#]].concat();
     let scenario = bench.scenario(format!("../../scenarios/{scenario}.toml"), &all).expect("a scenario");
     let outcome = run(&scenario, &bench.device("inproc").expect("a device")).expect("a run");
-    let mut columns = Columns::new(outcome.signals().to_vec());
-    let values: Vec<&[f64]> =
-        outcome.signals().iter().map(|signal| outcome.signal(&signal.name).expect("a column")).collect();
-    for row in 0..values[0].len() {
-        columns.push(values.iter().map(|column| column[row]));
-    }
     let instruments = Instruments::exact(4000, 4000, 1000);
-    let series = series(&columns, &instruments, [Direction::Forward; 2]).expect("a series");
+    let series = series(outcome.columns(), &instruments, [Direction::Forward; 2]).expect("a series");
     identify(&[series], &instruments, &Start::default()).expect("a motion")
 }
 

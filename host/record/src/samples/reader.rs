@@ -65,11 +65,13 @@ impl Samples {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
         let has_end = bytes.ends_with(mcap::MAGIC);
-        let mut is_torn = !has_end && !ends_with_a_record(&bytes);
+        // The reader of records would give some messages of that part.
+        let records = if has_end { &bytes } else { whole_records(&bytes) };
+        let mut is_torn = records.len() < bytes.len();
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        for record in ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into())? {
+        for record in ChunkFlattener::new_with_options(records, Options::IgnoreEndMagic.into())? {
             match record {
                 Ok(Record::Schema { header, data }) => {
                     schemas.insert(header.id, data.into_owned());
@@ -109,15 +111,17 @@ impl Samples {
     }
 }
 
-/// Whether the last record is whole. The reader of records reports no error where a file ends behind opcode and length of one.
-fn ends_with_a_record(file: &[u8]) -> bool {
-    let mut rest = file.get(mcap::MAGIC.len()..).unwrap_or_default();
-    while let Some(([_, length @ ..], content)) = rest.split_first_chunk::<9>() {
+/// The file up to the end of its last whole record.
+fn whole_records(file: &[u8]) -> &[u8] {
+    let mut end = mcap::MAGIC.len().min(file.len());
+    while let Some(([_, length @ ..], content)) = file[end..].split_first_chunk::<9>() {
         let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
-        let Some(next) = content.get(length..) else { return false };
-        rest = next;
+        if content.len() < length {
+            break;
+        }
+        end += 9 + length;
     }
-    rest.is_empty()
+    &file[..end]
 }
 
 /// The columns of the trace, and those of the timing.

@@ -6,7 +6,7 @@
 //! | stage | file | does |
 //! |---|---|---|
 //! | input | `input` | a record with its name |
-//! | judgement | `check`, `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
+//! | judgement | `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
 //! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
 //! | numbers | `typeset` | numbers and units as a book prints them |
 //! | parts | `part`, `campaign` | one section of a page per file |

@@ -7,8 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-use lashloop::{Bench, Outcome, Verdict, run};
-use lashloop_record::columns::Columns;
+use lashloop::{Bench, Verdict, run};
 use merzouki_2005::demo;
 use merzouki_2005::figures::Run;
 
@@ -21,7 +20,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (mut runs, mut worst) = (Vec::new(), Verdict::Pass);
     for scenario in &scenarios {
         let outcome = run(scenario, &device)?;
-        let run = run_of(&outcome);
+        let run = Run { trace: outcome.columns().clone(), metrics: outcome.details().metrics.clone() };
         println!("{}", demo::row(runs.len(), &run, outcome.verdict()));
         runs.push(run);
         worst = worst.max(outcome.verdict());
@@ -31,10 +30,4 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     fs::write(&path, demo::figure(runs, &scenarios).to_svg())?;
     println!("figure: {}", path.display());
     Ok(lashloop_bench::verdict::Exit::from(worst).into())
-}
-
-fn run_of(outcome: &Outcome) -> Run {
-    let columns = outcome.signals().iter();
-    let columns = columns.filter_map(|it| Some((it.clone(), outcome.signal(&it.name).ok()?.to_vec())));
-    Run { trace: Columns::from_parts(columns), metrics: outcome.details().metrics.clone() }
 }

@@ -11,7 +11,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/bench", 10_950),
     ("host/campaign", 6_300),
     ("host/cli", 5_300),
-    ("host/conformance", 6_000),
+    ("host/conformance", 6_050),
     ("host/decode", 1_050),
     ("host/hardware", 2_100),
     ("host/identify", 2_150),

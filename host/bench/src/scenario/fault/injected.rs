@@ -194,7 +194,9 @@ impl InjectedFault {
         plants: &Plants,
         run: &RunSettings,
     ) {
-        if run.step_at(self.at_s) >= run.steps() {
+        // A faulty duration or time has its own error.
+        let is_known = !run.duration_s.is_nan() && !self.at_s.is_nan();
+        if is_known && run.step_at(self.at_s) >= run.steps() {
             let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
             let reason = format!("is not before the end of the run, whose last step begins at {last_s} s");
             fault.reject("at_s", reason);

@@ -121,9 +121,12 @@ impl<'a> Section<'a> {
         };
         let Value::Array(items) = &node.value else {
             if node.table().is_some() {
-                self.reject(key, format!("is one section; there can be several, so write [[{key}]]"));
+                self.reject(
+                    key,
+                    format!("is one section; there can be several, so write [[{}]]", self.list(key)),
+                );
             } else {
-                self.wrong_type(key, node, format!("a list of sections [[{key}]]"));
+                self.wrong_type(key, node, format!("a list of sections [[{}]]", self.list(key)));
             }
             return Vec::new();
         };
@@ -131,7 +134,7 @@ impl<'a> Section<'a> {
         for (index, item) in items.iter().enumerate() {
             let name = format!("{key}.{index}");
             let Some(table) = item.table() else {
-                self.wrong_type(&name, item, format!("a section [[{key}]]"));
+                self.wrong_type(&name, item, format!("a section [[{}]]", self.list(key)));
                 continue;
             };
             let section = Section::new(self.path_of(&name), item.origin.clone(), Some(table), self.findings);
@@ -286,6 +289,13 @@ impl<'a> Section<'a> {
 
     fn push(&self, key: String, origin: Origin, error: KeyError) {
         self.findings.errors.borrow_mut().push(ScenarioError::Key { origin, key, error: Box::new(error) });
+    }
+
+    /// The head of a list's sections, as a file has it.
+    fn list(&self, key: &str) -> String {
+        let path = self.path_of(key);
+        let names: Vec<_> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
+        names.join(".")
     }
 
     fn path_of(&self, key: &str) -> String {

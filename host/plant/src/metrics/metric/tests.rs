@@ -4,6 +4,10 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use serde::Deserialize as _;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::{Error, StrDeserializer};
+
 use super::Metric;
 use crate::metrics::Statistic;
 
@@ -23,6 +27,15 @@ fn page_has_the_definitions_of_the_code() {
     for table in [metrics, statistics] {
         // The empty line ends the table, so that no row is left over.
         assert!(page.contains(&format!("\n{table}\n")), "docs/metrics.md lacks this table:\n{table}");
+    }
+}
+
+/// A record is written by serde and read by name.
+#[test]
+fn a_statistic_has_one_name() {
+    for statistic in Statistic::ALL {
+        let name: StrDeserializer<'_, Error> = statistic.name().into_deserializer();
+        assert_eq!(Statistic::deserialize(name).expect("a name"), statistic);
     }
 }
 
