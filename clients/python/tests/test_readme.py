@@ -74,7 +74,7 @@ def test_the_drive_of_the_readme_runs_its_own_law_on_the_bench(tmp_path: Path) -
     judged = subprocess.run(
         [str(program()), *run[1:]], capture_output=True, text=True, timeout=SOON_S, check=False, cwd=tmp_path
     )
-    # The law is too simple for the scenario, but the run has a verdict. A busy machine is slow enough for lines of progress.
+    # The law is too simple for the scenario, but the run has a verdict. A busy machine prints progress.
     complaints = [line for line in judged.stderr.splitlines() if not line.startswith("progress")]
     assert (judged.returncode, complaints) == (1, [])
     record = Record.read(tmp_path / "out")

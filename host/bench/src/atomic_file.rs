@@ -46,6 +46,7 @@ pub fn write_whole(
     let mut file = temporary_file(path, prefix).map_err(error("created"))?;
     write(file.as_file_mut()).and_then(|()| file.as_file().sync_all()).map_err(error("written"))?;
     file.persist(path).map_err(|failure| error("written")(failure.error))?;
+    tracing::info!(file = %path.display(), "written");
     Ok(())
 }
 
@@ -65,7 +66,9 @@ pub fn write_whole_at(
     let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let temporary = temporary_file(&place, prefix).map_err(error("created"))?.into_temp_path();
     write(&temporary).map_err(|failure| error(failure.action)(failure.source))?;
-    temporary.persist(&place).map_err(|failure| error("written")(failure.error))
+    temporary.persist(&place).map_err(|failure| error("written")(failure.error))?;
+    tracing::info!(file = %path.display(), "written");
+    Ok(())
 }
 
 /// A file that grows by whole chunks.
@@ -85,6 +88,7 @@ impl GrowingFile {
     /// The directory doesn't exist or can't be written to, or the first chunk can't be written.
     pub fn create(path: &Path, prefix: &str, first: &[u8]) -> Result<Self, WriteError> {
         let file = begin(path, prefix, first)?;
+        tracing::info!(file = %path.display(), "started");
         Ok(Self { path: path.to_owned(), file, written: first.len() as u64 })
     }
 
@@ -101,7 +105,19 @@ impl GrowingFile {
             let _ = self.file.set_len(self.written);
             let _ = self.file.seek(SeekFrom::Start(self.written));
         }
-        result.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })
+        result.map_err(|source| self.error(source))
+    }
+
+    /// Fails as a chunk does that can't be written, for this reason.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn fail(&self, reason: &str) -> Result<(), WriteError> {
+        Err(self.error(io::Error::other(reason)))
+    }
+
+    fn error(&self, source: io::Error) -> WriteError {
+        WriteError { path: self.path.clone(), action: "written", source }
     }
 }
 

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread;
 use std::time::Duration;
@@ -43,48 +43,6 @@ impl StepObserver for &Stop<'_> {
     }
 }
 
-/// Runs the cases by `run_one`, which returns `None` if it was stopped, and passes each result to `keep`, on this thread, as
-/// it arrives.
-///
-/// # Errors
-/// A run or `keep` fails; no further run is started.
-pub fn run_all<C: Sync, R: Send, E: Send>(
-    cases: &[C],
-    jobs: NonZeroUsize,
-    supervisor: &Supervisor,
-    run_one: impl Fn(&C, &Stop<'_>) -> Result<Option<R>, E> + Sync,
-    mut keep: impl FnMut(R) -> Result<(), E>,
-) -> Result<Ended, E> {
-    let next = AtomicUsize::new(0);
-    let stop = Stop::new(supervisor);
-    let mut count = 0;
-    let kept = thread::scope(|scope| {
-        let (results, ended) = mpsc::channel();
-        for _ in 0..jobs.get().min(cases.len()) {
-            let (results, next, stop, run_one) = (results.clone(), &next, &stop, &run_one);
-            scope.spawn(move || {
-                while !stop.asked() {
-                    let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    let Some(result) = run_one(case, stop).transpose() else { break };
-                    if results.send(result).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(results);
-        // Ends with the last worker, or at the first error; the channel then closes, which ends the workers.
-        let kept = ended.into_iter().try_for_each(|result| {
-            count += 1;
-            keep(result?)
-        });
-        stop.failed.store(kept.is_err(), Ordering::Relaxed);
-        kept
-    });
-    kept?;
-    Ok(if count == cases.len() { Ended::Complete } else { Ended::Interrupted })
-}
-
 /// Cases that are begun ahead of the oldest unfinished one, per job. Longer runs hold up the others no earlier than this.
 const WINDOW_PER_JOB: u64 = 64;
 /// Time after which a waiting worker looks for a signal of the user.
@@ -94,14 +52,30 @@ const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
 #[derive(Default)]
 struct Queue {
     next: u64,
+    /// Cases before this one have been kept.
     kept: u64,
 }
 
-/// As [`run_all`] over the cases 0 to `count` - 1, with the results in the order of cases. A worker waits rather than begin a
-/// case far ahead of the oldest unfinished one, so that the number of results held back is bounded.
+/// Runs the cases 0 to `count` - 1 by `run_one`, which returns `None` if it was stopped, and passes each result to `keep`, on
+/// this thread, as it arrives.
 ///
 /// # Errors
 /// A run or `keep` fails; no further run is started.
+pub fn run_all<R: Send, E: Send>(
+    count: u64,
+    jobs: NonZeroUsize,
+    supervisor: &Supervisor,
+    run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
+    mut keep: impl FnMut(R) -> Result<(), E>,
+) -> Result<Ended, E> {
+    run(count, jobs, supervisor, u64::MAX, run_one, |_, result| keep(result).map(|()| 0))
+}
+
+/// As [`run_all`], with the results in the order of cases. A worker waits rather than begin a case far ahead of the oldest
+/// unfinished one, so that the number of results held back is bounded.
+///
+/// # Errors
+/// As [`run_all`].
 pub fn run_in_order<R: Send, E: Send>(
     count: u64,
     jobs: NonZeroUsize,
@@ -109,10 +83,29 @@ pub fn run_in_order<R: Send, E: Send>(
     run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
     mut keep: impl FnMut(R) -> Result<(), E>,
 ) -> Result<Ended, E> {
-    let window = WINDOW_PER_JOB * jobs.get() as u64;
+    let (mut early, mut next) = (BTreeMap::new(), 0);
+    run(count, jobs, supervisor, WINDOW_PER_JOB * jobs.get() as u64, run_one, |case, result| {
+        early.insert(case, result);
+        while let Some(result) = early.remove(&next) {
+            keep(result)?;
+            next += 1;
+        }
+        Ok(next)
+    })
+}
+
+/// `keep` returns the case before which all results have been kept; no case is begun `window` or more ahead of it.
+fn run<R: Send, E: Send>(
+    count: u64,
+    jobs: NonZeroUsize,
+    supervisor: &Supervisor,
+    window: u64,
+    run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
+    mut keep: impl FnMut(u64, R) -> Result<u64, E>,
+) -> Result<Ended, E> {
     let (queue, space) = (Mutex::new(Queue::default()), Condvar::new());
     let stop = Stop::new(supervisor);
-    let mut next = 0;
+    let mut results_kept = 0;
     let kept = thread::scope(|scope| {
         let (results, arrived) = mpsc::channel();
         for _ in 0..jobs.get().min(usize::try_from(count).unwrap_or(usize::MAX)) {
@@ -128,14 +121,11 @@ pub fn run_in_order<R: Send, E: Send>(
             });
         }
         drop(results);
-        let mut early = BTreeMap::new();
+        // Ends with the last worker, or at the first error; the channel then closes, which ends the workers.
         let kept = arrived.into_iter().try_for_each(|(case, result)| {
-            early.insert(case, result?);
-            while let Some(result) = early.remove(&next) {
-                keep(result)?;
-                next += 1;
-            }
-            lock(&queue).kept = next;
+            let kept = keep(case, result?)?;
+            results_kept += 1;
+            lock(&queue).kept = kept;
             space.notify_all();
             Ok(())
         });
@@ -144,7 +134,7 @@ pub fn run_in_order<R: Send, E: Send>(
         kept
     });
     kept?;
-    Ok(if next == count { Ended::Complete } else { Ended::Interrupted })
+    Ok(if results_kept == count { Ended::Complete } else { Ended::Interrupted })
 }
 
 /// Stops the other workers if a run panics: the window would wait for its result forever. The scope then panics too.
@@ -184,6 +174,8 @@ fn lock(queue: &Mutex<Queue>) -> MutexGuard<'_, Queue> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicUsize;
+
     use super::*;
 
     /// The first case ends only after all that may begin ahead of it.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::evidence;
@@ -22,8 +22,9 @@ use super::campaign_run::{
 use super::campaign_selection::SelectionOptions;
 use super::campaign_submit::{Status, Submit};
 use super::error::{CliError, system};
+use super::log_to_standard_error;
 use super::options::plants;
-use super::output::{error_line, outln};
+use super::output::{error_line, outln, program_name};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
 
@@ -102,6 +103,10 @@ enum Verb {
 /// `lashloop campaign FILE.toml`, which is `lashloop campaign run FILE.toml`.
 #[derive(Parser)]
 struct RunLine {
+    /// As of every command
+    #[arg(short, long, action = ArgAction::Count)]
+    verbose: u8,
+
     #[command(flatten)]
     arguments: RunArguments,
 }
@@ -161,8 +166,10 @@ impl Arguments {
             Verb::File(words) => {
                 let file = words.first().cloned().unwrap_or_default();
                 if Path::new(&file).extension().is_some_and(|extension| extension == "toml") {
-                    let line = ["lashloop campaign run".to_owned()].into_iter().chain(words);
-                    return RunLine::parse_from(line).arguments.run(bench);
+                    let line = [format!("{} campaign run", program_name())].into_iter().chain(words);
+                    let RunLine { verbose, arguments } = RunLine::parse_from(line);
+                    log_to_standard_error(verbose);
+                    return arguments.run(bench);
                 }
                 let problem =
                     "is neither a command of `lashloop campaign`, see --help, nor a campaign file, FILE.toml";

@@ -28,7 +28,7 @@ use tempfile::TempDir;
 
 use super::campaign_report;
 use super::error::{CliError, system};
-use super::output::{error_line, prepare_folder, write_file};
+use super::output::{complain, error_line, prepare_folder, write_file};
 use super::progress::Progress;
 use lashloop_campaign::journal::program_sha256;
 
@@ -102,8 +102,8 @@ impl Execution<'_> {
     pub(super) fn run(&self, shard: Shard, jobs: NonZeroUsize, start: Start) -> Result<Made, CliError> {
         prepare_folder(self.folder, &[])?;
         if !resume::has_locks(self.folder).map_err(system("create a file in the folder of the results"))? {
-            error_line(format_args!(
-                "lashloop: the file system of {} has no locks (flock), so a shard that is started twice is damaged; start each once",
+            complain(format_args!(
+                "the file system of {} has no locks (flock), so a shard that is started twice is damaged; start each once",
                 self.folder.display()
             ));
         }

@@ -16,7 +16,7 @@ use lashloop_campaign::shard_file::facts_path;
 use super::campaign_run::REPORT_JSON;
 use super::campaign_selection::SelectionOptions;
 use super::error::{CliError, system};
-use super::output::{error_line, outln, prepare_folder};
+use super::output::{complain, outln, prepare_folder, print_json};
 use lashloop::Bench;
 use lashloop_campaign::cluster::error::ClusterError;
 use lashloop_campaign::cluster::jobs::{submit_merge, submit_shards};
@@ -174,7 +174,7 @@ impl Submit {
         for (former, is_pending) in active.merges {
             if is_pending && let Err(error) = slurm::cancel_pending(former) {
                 // It may have begun since, and then fails or merges the same shards.
-                error_line(format_args!("lashloop: former merge {former} stays in the queue: {error}"));
+                complain(format_args!("former merge {former} stays in the queue: {error}"));
             }
         }
         outln!(
@@ -204,7 +204,7 @@ impl Status {
         let (shards, cases) = extent(&folder)?;
         let progress = read_progress(&folder, shards, cases, stale_after)?;
         if json {
-            outln!("{}", serde_json::to_string_pretty(&progress).map_err(system("print JSON"))?);
+            print_json(&progress)?;
         } else {
             outln!("{progress}");
             let is_merged = folder.join(REPORT_JSON).exists();

@@ -3,13 +3,13 @@
 use std::io;
 use std::path::PathBuf;
 
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use lashloop_bench::verdict::Exit;
 
-use super::Lashloop;
+use super::command_line;
 use super::error::{CliError, system};
-use super::output::{outln, prepare_folder, write_file};
+use super::output::{outln, prepare_folder, program_name, write_file};
 use lashloop::Bench;
 
 /// Print the completions of a shell, or write man pages
@@ -26,20 +26,19 @@ pub(crate) struct Arguments {
     man: Option<PathBuf>,
 }
 
-const NAME: &str = "lashloop";
-
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
-        let mut command = Lashloop::command().name(NAME);
+        let name = program_name();
+        let mut command = command_line(&name);
         if let Some(shell) = self.shell {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut command, NAME, &mut script);
+            clap_complete::generate(shell, &mut command, &name, &mut script);
             outln!("{}", String::from_utf8_lossy(&script).trim_end());
         }
         if let Some(folder) = self.man {
             prepare_folder(&folder, &[])?;
             command.build();
-            for (name, page) in pages(&command, NAME).map_err(system("write a man page"))? {
+            for (name, page) in pages(&command, &name).map_err(system("write a man page"))? {
                 write_file(&folder.join(format!("{name}.1")), &page)?;
             }
         }

@@ -1,6 +1,5 @@
 //! `lashloop conformance`: whether a drive conforms to the protocol.
 
-use std::fmt::Display;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,12 +8,13 @@ use lashloop_bench::device::{Connection, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
-use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, Reporter, junit};
+use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, Reporter};
 use lashloop_protocol::message::Identity;
+use lashloop_report::junit::{Case, Kind};
 
-use super::error::{CliError, system};
+use super::error::CliError;
 use super::options::{BaudOption, DeviceOption};
-use super::output::outln;
+use super::output::{outln, print_json};
 use super::report_files;
 use super::supervision::start_supervisor;
 
@@ -36,6 +36,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     line: BaudOption,
 
+    /// Print the results as a JSON array instead
+    #[arg(long, conflicts_with = "list")]
+    json: bool,
+
     /// File for the results as JUnit XML
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -54,6 +58,7 @@ impl Arguments {
             device: self.drive.device.to_string(),
             results: Vec::new(),
             supervisor: &supervisor,
+            is_silent: self.json,
         };
         let signals = supervisor.guard_signals();
         let ended = conformance::run(link, session_number(), &mut printer);
@@ -61,21 +66,46 @@ impl Arguments {
         let Printer { device, results, .. } = printer;
         let ended = ended.map_err(|source| connection.explain(source));
         if let Some(path) = &self.junit {
-            let interrupted = supervisor.interrupted().then_some(&"interrupted" as &dyn Display);
-            let ended_by = ended.as_ref().err().map(|error| error as &dyn Display).or(interrupted);
-            let xml =
-                junit::report(&device, &results, ended_by).map_err(system("write the results as XML"))?;
-            report_files::write(path, "--junit", &xml)?;
+            let interrupted = supervisor.interrupted().then(|| "interrupted".to_owned());
+            let ended_by = ended.as_ref().err().map(ToString::to_string).or(interrupted);
+            let shortfall = ended_by.map(|cause| format!("the run ended early: {cause}"));
+            let cases: Vec<_> = results.iter().map(|result| junit_case(&device, result)).collect();
+            report_files::write_junit(path, "lashloop conformance", &cases, shortfall.as_deref())?;
+        }
+        if self.json {
+            print_json(&results)?;
         }
         ended?;
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
-        outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
+        if !self.json {
+            outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
+        }
         Ok(match (failed, not_judged) {
             _ if supervisor.interrupted() => Exit::Invalid,
             (0, 0) => Exit::Pass,
             (0, _) => Exit::DeviceOrLink,
             _ => Exit::Fail,
         })
+    }
+}
+
+/// A check that was not judged is an error.
+fn junit_case(device: &str, result: &CheckResult) -> Case {
+    let CheckResult { group, rules, name, status, note, took } = result;
+    let (kind, reason) = match status {
+        CheckStatus::Passed => (Kind::Success, None),
+        CheckStatus::Failed { expected, got } => {
+            (Kind::Failure, Some(format!("expected {expected}, got {got}")))
+        }
+        CheckStatus::NotJudged { cause } => (Kind::Error, Some(format!("not judged: {cause}"))),
+        CheckStatus::Skipped { reason } => (Kind::Skipped, Some((*reason).to_owned())),
+    };
+    Case {
+        reasons: reason.into_iter().collect(),
+        took: *took,
+        properties: vec![("device", device.to_owned()), ("rules", (*rules).to_owned())],
+        output: note.clone(),
+        ..Case::new(group, &format!("conformance.{group}"), name, kind)
     }
 }
 
@@ -118,15 +148,23 @@ struct Printer<'a> {
     device: String,
     results: Vec<CheckResult>,
     supervisor: &'a Supervisor,
+    /// Whether the results are printed at the end instead.
+    is_silent: bool,
 }
 
 impl Reporter for Printer<'_> {
     fn connected(&mut self, identity: &Identity) {
         self.device = self.connection.description(identity);
-        outln!("{}", self.device);
+        if !self.is_silent {
+            outln!("{}", self.device);
+        }
     }
 
     fn checked(&mut self, result: &CheckResult) {
+        self.results.push(result.clone());
+        if self.is_silent {
+            return;
+        }
         let CheckResult { group, rules, name, status, note, .. } = result;
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
         match status {
@@ -137,7 +175,6 @@ impl Reporter for Printer<'_> {
             CheckStatus::NotJudged { cause } => outln!("NOT JUDGED  {rules}  {group}: {name}; {cause}"),
             CheckStatus::Skipped { reason } => outln!("SKIPPED     {rules}  {group}: {name}; {reason}"),
         }
-        self.results.push(result.clone());
     }
 
     fn is_interrupted(&self) -> bool {

@@ -9,8 +9,8 @@ use lashloop_record::diff::{
 };
 use lashloop_report::page;
 
-use super::error::{CliError, system};
-use super::output::{outln, write_file};
+use super::error::CliError;
+use super::output::{outln, print_json, write_file};
 use super::report::name_among;
 use lashloop::Bench;
 
@@ -93,10 +93,7 @@ impl Arguments {
 /// Prints a comparison; its result is the exit code.
 pub(super) fn print(comparison: &Comparison, json: bool) -> Result<Exit, CliError> {
     if json {
-        outln!(
-            "{}",
-            serde_json::to_string_pretty(comparison).map_err(system("write the comparison as JSON"))?
-        );
+        print_json(comparison)?;
     } else {
         outln!("{comparison}");
     }

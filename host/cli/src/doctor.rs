@@ -9,7 +9,7 @@ use lashloop_hardware::{doctor, ports};
 
 use super::error::{CliError, system};
 use super::options::BaudOption;
-use super::output::outln;
+use super::output::{outln, print_json};
 use super::supervision::start_supervisor;
 
 /// List the serial ports, or diagnose the line to a drive: open, handshake, round trip
@@ -28,6 +28,10 @@ pub(crate) struct Arguments {
     /// Samples of the round-trip measurement
     #[arg(long, default_value_t = 1000, requires = "device", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: u32,
+
+    /// Print the findings as a JSON array
+    #[arg(long, requires = "device")]
+    json: bool,
 }
 
 impl Arguments {
@@ -37,8 +41,15 @@ impl Arguments {
             return Ok(Exit::Pass);
         };
         let supervisor = start_supervisor()?;
-        let print = |finding: &Finding| outln!("{finding}");
+        let print = |finding: &Finding| {
+            if !self.json {
+                outln!("{finding}");
+            }
+        };
         let examination = doctor::examine(&device, self.line.baud, self.rounds, &supervisor, print);
+        if self.json {
+            print_json(&examination.findings)?;
+        }
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,
             (true, false) => Exit::Fail,

@@ -10,7 +10,7 @@ use lashloop_record::folder::RecordFolder;
 use lashloop_record::reader::{Completeness, Record};
 
 use super::error::CliError;
-use super::output::{error_line, outln};
+use super::output::{outln, warn};
 use lashloop::Bench;
 
 /// Write a record as CSV, Parquet or MCAP, with chosen signals and every n-th step
@@ -62,7 +62,7 @@ impl Arguments {
         }
         let record = Record::read(&self.record)?;
         if let interrupted @ Completeness::Interrupted { .. } = record.completeness() {
-            error_line(format_args!("lashloop: warning: {}: {interrupted}", self.record.display()));
+            warn(format_args!("{}: {interrupted}", self.record.display()));
         }
         let every = self.every as usize;
         let columns = Selection { signals: self.signals, every, from_s: from, until_s: until }.of(&record)?;

@@ -18,7 +18,7 @@ use lashloop_record::reader::Record;
 
 use super::error::CliError;
 use super::options::plants;
-use super::output::{outln, prepare_folder, write_file};
+use super::output::{outln, prepare_folder, print_json, write_file};
 use lashloop::Bench;
 use lashloop_hardware::identify::files::{
     DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
@@ -61,6 +61,10 @@ pub(crate) struct Arguments {
     /// Folder for plant.toml, drive.toml and estimates.json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    /// Print the estimates as JSON, as in estimates.json
+    #[arg(long, conflicts_with = "out")]
+    json: bool,
 }
 
 impl Arguments {
@@ -73,10 +77,12 @@ impl Arguments {
         let of_record = scenario(records[0].0, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
         let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
-        outln!(
-            "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
+        if !self.json {
+            outln!(
+                "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
              {torque_delay_us} us\n"
-        );
+            );
+        }
         let (mut motions, mut mode) = (Vec::new(), RunMode::Bench);
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
@@ -94,7 +100,11 @@ impl Arguments {
             (None, Err(_)) => Start::default(),
         };
         let identified = lashloop_identify::identify(&motions, &instruments, &start)?;
-        outln!("{}", table(&identified).trim_end());
+        if self.json {
+            print_json(&identified)?;
+        } else {
+            outln!("{}", table(&identified).trim_end());
+        }
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
             write_estimates(folder, &identified, mode, |_| true)?;

@@ -11,7 +11,7 @@
 
 #![forbid(unsafe_code)]
 
-mod battery;
+mod benchmark;
 mod budget;
 mod budget_on_map;
 mod campaign;
@@ -19,23 +19,18 @@ mod campaign_report;
 mod campaign_run;
 mod campaign_selection;
 mod campaign_submit;
-mod check;
 mod clock_options;
 mod colour;
 mod commission;
-mod compare;
 mod completions;
 mod conformance;
 mod decode;
-mod demo;
 mod device;
 mod diff;
 mod doctor;
 mod error;
-mod experiment;
 mod export;
 mod flash;
-mod history;
 mod identify;
 mod monitor;
 mod one_run;
@@ -61,23 +56,25 @@ mod show;
 mod soak;
 mod supervision;
 mod test;
-mod test_reports;
 mod watch_options;
 
 use std::process::ExitCode;
+use std::{env, io};
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
+use lashloop_bench::device::Build;
 use lashloop_bench::verdict::Exit;
 
 use lashloop::Bench;
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::fmt::time::uptime;
 
 registry::commands! {
-    "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Campaign(campaign), Battery(battery), Soak(soak);
+    "Run a drive on the bench": Run(run), Test(test), Campaign(campaign), Soak(soak), Device(device), Paper(paper);
     "Inspect scenarios, records and lines":
-        Show(show), Check(check), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters),
-        Budget(budget);
+        Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
-    "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
+    "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
     "Set up a shell": Completions(completions);
 }
@@ -87,8 +84,15 @@ registry::commands! {
 /// The bench simulates the mechanics; the controller runs in the drive's firmware. Only bytes pass between them: over a
 /// serial port, a pseudo-terminal, or to a Cortex-M image in QEMU. A run ends in a verdict.
 #[derive(Parser)]
-#[command(name = "lashloop", version, after_help = EXIT_CODES, after_long_help = LONG_HELP, max_term_width = 100)]
+#[command(after_help = EXIT_CODES, max_term_width = 100)]
 struct Lashloop {
+    /// Print events on standard error; -vv more of them
+    ///
+    /// Handshakes, programs that start and end, files; with -vv retries, threads and open lines. RUST_LOG, if it is set,
+    /// chooses instead.
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    verbose: u8,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -106,8 +110,8 @@ Exit codes:
   5           the hardware of a rig is absent; nothing was run, there is no verdict
 
 First steps:
-  lashloop demo                               the paper's four runs, as a table and a figure
-  lashloop paper                              the paper's figures and numbers next to ours
+  lashloop paper demo                         the paper's four runs, as a table and a figure
+  lashloop paper figures                      the paper's figures and numbers next to ours
   lashloop show scenarios/smooth-after.toml   every key of the scenario with its value
   lashloop run scenarios/smooth-after.toml    one run on the native twin
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
@@ -117,6 +121,14 @@ First steps:
   lashloop device                             a drive on a pseudo-terminal; in a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 
+/// The commands as a program of this name has them.
+fn command_line(name: &str) -> clap::Command {
+    registry::with_groups(Lashloop::command(), GROUPS)
+        .after_long_help(LONG_HELP.replace("  lashloop ", &format!("  {name} ")))
+        .version(format!("{} ({})", env!("CARGO_PKG_VERSION"), Build::OF_BENCH))
+        .name(name.to_owned())
+}
+
 /// The command line of a bench: parses the arguments of this process, runs the command and prints its error, if any, as one
 /// sentence. The exit code is that of the command.
 ///
@@ -124,10 +136,13 @@ First steps:
 /// the program's own `main` does.
 #[must_use]
 pub fn main(bench: &Bench) -> ExitCode {
-    let command = registry::with_groups(Lashloop::command(), GROUPS);
+    let command = command_line(&output::program_name());
     let matches = options::with_devices(command, bench).try_get_matches();
     let command = match matches.and_then(|matches| Lashloop::from_arg_matches(&matches)) {
-        Ok(Lashloop { command }) => command,
+        Ok(Lashloop { verbose, command }) => {
+            log_to_standard_error(verbose);
+            command
+        }
         Err(error) => {
             let _ = error.print();
             return if error.use_stderr() { Exit::UsageOrScenario.into() } else { Exit::Pass.into() };
@@ -136,8 +151,27 @@ pub fn main(bench: &Bench) -> ExitCode {
     match command.run(bench) {
         Ok(exit) => exit.into(),
         Err(error) => {
-            output::error_line(format_args!("lashloop: {error}"));
+            output::complain(format_args!("{error}"));
             error.exit().into()
         }
     }
+}
+
+/// Prints the events of the libraries, for a person at a line that does not work.
+pub(crate) fn log_to_standard_error(verbose: u8) {
+    let chosen = env::var("RUST_LOG").unwrap_or_default();
+    let level = match verbose {
+        0 if chosen.is_empty() => return,
+        0 | 1 => "info",
+        2 => "debug",
+        _ => "trace",
+    };
+    let filter = if chosen.is_empty() { level } else { &chosen };
+    let filter = EnvFilter::try_new(filter).unwrap_or_else(|error| {
+        output::warn(format_args!("RUST_LOG is {chosen:?}, {error}; it has no effect"));
+        EnvFilter::new(level)
+    });
+    let events = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr);
+    // A second call changes nothing.
+    let _ = events.with_timer(uptime()).with_target(false).try_init();
 }

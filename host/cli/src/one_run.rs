@@ -14,7 +14,7 @@ use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
 
 use super::error::CliError;
-use super::output::{error_line, write_csv};
+use super::output::{warn, write_csv};
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
 use lashloop::execution::{Execution, Finished, Middleware, Place};
@@ -62,7 +62,7 @@ impl OneRun<'_> {
         }
         let ready = execution.open(&supervisor)?;
         for warning in ready.device().warnings() {
-            error_line(format_args!("lashloop: warning: {warning}"));
+            warn(format_args!("{warning}"));
         }
         let signals = supervisor.guard_signals();
         watch.wait(|| supervisor.interrupted());
@@ -72,7 +72,7 @@ impl OneRun<'_> {
         let reconnected =
             (made.outcome.link.resumes > 0).then(|| made.device().connection.long_latency_timer());
         if let Some(warning) = reconnected.flatten() {
-            error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
+            warn(format_args!("since the reconnect {warning}"));
         }
         let departure = gate.map(|it| gate::check(&made.scenario, &it.recorded, &it.intervals)).transpose();
         match &departure {

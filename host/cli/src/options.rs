@@ -41,11 +41,7 @@ const DEVICE: &str = "device";
 
 /// Makes the options that take a device parse the devices of this bench.
 pub(super) fn with_devices(command: Command, bench: &Bench) -> Command {
-    command.mut_subcommands(|command| with_device(command, bench))
-}
-
-/// As [`with_devices`], for one command.
-pub(super) fn with_device(command: Command, bench: &Bench) -> Command {
+    let command = command.mut_subcommands(|command| with_devices(command, bench));
     let devices = bench.devices();
     let takes_device = command.get_arguments().any(|argument| argument.get_id() == DEVICE);
     let parse = move |text: &str| DeviceChoice::parse(text, &devices);

@@ -3,14 +3,15 @@
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
-use std::{fs, process};
+use std::{env, fs, process};
 
 use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_bench::verdict::Exit;
 use lashloop_record::export::csv_in_folder;
 use lashloop_record::folder::RecordFolder;
+use serde::Serialize;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 
 /// Prints a formatted line on standard output.
 macro_rules! outln {
@@ -27,7 +28,7 @@ pub(super) fn line(text: Arguments<'_>) {
     if let Err(error) = writeln!(io::stdout(), "{text}")
         && error.kind() != ErrorKind::BrokenPipe
     {
-        error_line(format_args!("lashloop: standard output can't be written: {error}"));
+        complain(format_args!("standard output can't be written: {error}"));
         process::exit(Exit::UsageOrScenario as i32);
     }
 }
@@ -37,10 +38,33 @@ pub(super) fn error_line(text: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
+/// The name by which this program was called: a program with laws of its own prints its own.
+pub(super) fn program_name() -> String {
+    let called = env::args_os().next();
+    let name = called.as_deref().and_then(|path| Path::new(path).file_name());
+    name.map_or_else(|| "lashloop".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Prints an error on standard error, after the name of this program.
+pub(super) fn complain(text: Arguments<'_>) {
+    error_line(format_args!("{}: {text}", program_name()));
+}
+
+/// Prints a warning on standard error, after the name of this program.
+pub(super) fn warn(text: Arguments<'_>) {
+    complain(format_args!("warning: {text}"));
+}
+
+/// Prints a value as JSON on standard output.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+    outln!("{}", serde_json::to_string_pretty(value).map_err(system("print JSON"))?);
+    Ok(())
+}
+
 /// Writes the record in a folder as CSV too, if that is wanted. The run has its verdict with or without it.
 pub(super) fn write_csv(folder: &Path, is_wanted: bool) {
     if is_wanted && let Err(error) = csv_in_folder(folder) {
-        error_line(format_args!("lashloop: warning: no CSV of the run: {error}"));
+        warn(format_args!("no CSV of the run: {error}"));
     }
 }
 

@@ -8,7 +8,7 @@ use lashloop_record::folder::RecordFolder;
 use super::error::CliError;
 use super::output::write_file;
 use lashloop_campaign::suite::baseline;
-use lashloop_campaign::suite::junit::{self, Row};
+use lashloop_report::junit::{self, Case};
 
 /// Checks that a report would replace neither a file of a record nor one of these scenarios with its baseline.
 pub(super) fn check(report: &Path, scenarios: &[PathBuf]) -> Result<(), CliError> {
@@ -29,10 +29,10 @@ pub(super) fn is_replaced(report: &Path) -> bool {
 pub(super) fn write_junit(
     path: &Path,
     name: &str,
-    rows: &[Row<'_>],
+    cases: &[Case],
     shortfall: Option<&str>,
 ) -> Result<(), CliError> {
-    let xml = junit::report(name, rows, shortfall).map_err(io::Error::other);
+    let xml = junit::report(name, cases, shortfall).map_err(io::Error::other);
     let failed = |source| CliError::Report { path: path.to_owned(), option: "--junit", source };
     xml.map_err(failed).and_then(|xml| write(path, "--junit", &xml))
 }

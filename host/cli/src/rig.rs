@@ -6,7 +6,7 @@ use clap::{Args, Subcommand};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
-use super::output::outln;
+use super::output::{outln, print_json};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
 use lashloop::rig::{Rig, TakenRig};
@@ -29,6 +29,10 @@ enum Verb {
         /// Rig file in TOML
         #[arg(value_name = "RIG")]
         rig: PathBuf,
+
+        /// Print the findings as a JSON array
+        #[arg(long)]
+        json: bool,
     },
     /// Print every key of a rig file with unit, range, default and meaning, as Markdown
     Keys {
@@ -41,7 +45,7 @@ enum Verb {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         match self.verb {
-            Verb::Check { rig } => check_rig(&rig, bench),
+            Verb::Check { rig, json } => check_rig(&rig, bench, json),
             Verb::Keys { schema: true } => {
                 outln!("{:#}", Rig::json_schema());
                 Ok(Exit::Pass)
@@ -54,12 +58,16 @@ impl Arguments {
     }
 }
 
-fn check_rig(file: &std::path::Path, bench: &Bench) -> Result<Exit, CliError> {
+fn check_rig(file: &std::path::Path, bench: &Bench, as_json: bool) -> Result<Exit, CliError> {
     let taken = TakenRig::take(file, &bench.devices(), "rig check")?;
     let supervisor = start_supervisor()?;
     let checked = check(&taken.rig, &supervisor);
-    for finding in &checked.findings {
-        outln!("{finding}");
+    if as_json {
+        print_json(&checked.findings)?;
+    } else {
+        for finding in &checked.findings {
+            outln!("{finding}");
+        }
     }
     let is_wrong = checked.findings.iter().any(lashloop_hardware::doctor::finding::Finding::is_wrong);
     Ok(match checked.reached {

@@ -11,7 +11,7 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::one_run::{Gate, OneRun};
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
-use super::output::error_line;
+use super::output::{print_json, warn};
 use super::watch_options::WatchOptions;
 use super::{report_files, run_junit, run_report};
 use lashloop::Bench;
@@ -69,11 +69,19 @@ pub(crate) struct Arguments {
     /// File for the verdict and its reasons as JUnit XML
     #[arg(long, value_name = "FILE.xml")]
     junit: Option<PathBuf>,
+
+    /// Also print line, timing, torque digest, and metrics without a value
+    #[arg(long)]
+    details: bool,
+
+    /// Print the summary as JSON, as in summary.json of the record
+    #[arg(long, conflicts_with_all = ["details", "live"])]
+    json: bool,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let junit = self.junit.clone();
+        let (junit, has_details, as_json) = (self.junit.clone(), self.details, self.json);
         if let Some(path) = &junit {
             report_files::check(path, std::slice::from_ref(self.scenario.file()))?;
         }
@@ -81,7 +89,11 @@ impl Arguments {
         let Finished { scenario, summary, outcome } = self.make(bench).inspect_err(|error| {
             junit.iter().for_each(|path| run_junit::write_error(path, error));
         })?;
-        run_report::print(&scenario, &summary, &outcome);
+        if as_json {
+            print_json(&summary)?;
+        } else {
+            run_report::print(&scenario, &summary, &outcome, has_details);
+        }
         if let Some(path) = &junit {
             let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
             run_junit::write(path, &result)?;
@@ -90,7 +102,7 @@ impl Arguments {
         if let Some(folder) = page
             && let Err(error) = super::report::write(&folder)
         {
-            error_line(format_args!("lashloop: warning: no page of the run: {error}"));
+            warn(format_args!("no page of the run: {error}"));
         }
         Ok(summary.verdict.into())
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
-use super::output::error_line;
+use super::output::warn;
 use super::report_files::{is_replaced, write_junit};
 use lashloop_campaign::suite::case_result::{CaseResult, Status};
-use lashloop_campaign::suite::junit::Row;
+use lashloop_report::junit::Case;
 
 const NAME: &str = "lashloop run";
 
@@ -21,8 +21,7 @@ pub(super) fn begin(path: &Path) -> Result<(), CliError> {
 
 /// Writes the report of a run with a verdict.
 pub(super) fn write(path: &Path, result: &CaseResult) -> Result<(), CliError> {
-    let row = Row { file: result.case.clone(), case: NAME.to_owned(), result };
-    write_junit(path, NAME, &[row], None)
+    write_junit(path, NAME, &[Case::of_run(&result.case, NAME, result)], None)
 }
 
 /// Writes the report of a run without a verdict. That it can't be written does not hide the error.
@@ -34,6 +33,6 @@ pub(super) fn write_error(path: &Path, error: &CliError) {
         Exit::Pass | Exit::DeviceOrLink | Exit::HardwareAbsent => Status::DeviceOrLink,
     };
     if let Err(error) = write(path, &CaseResult::without_run(NAME, status, vec![error.to_string()])) {
-        error_line(format_args!("lashloop: warning: {error}"));
+        warn(format_args!("{error}"));
     }
 }

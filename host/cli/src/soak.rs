@@ -223,14 +223,11 @@ fn watch_for_hangs(shared: Arc<Shared>, limit: Duration, out: Option<PathBuf>) {
                 if let (Some(window), Some(folder)) = (shared.window().take(), &out)
                     && let Err(error) = write_record(window, folder, tally.runs, None)
                 {
-                    output::error_line(format_args!("lashloop: {error}"));
+                    output::complain(format_args!("{error}"));
                 }
                 output::line(format_args!("\n{tally}"));
                 let limit_s = limit.as_secs_f64();
-                output::error_line(format_args!(
-                    "lashloop: run {} hangs: no step in {limit_s} s",
-                    tally.runs
-                ));
+                output::complain(format_args!("run {} hangs: no step in {limit_s} s", tally.runs));
                 std::process::exit(Exit::Fail as i32);
             }
         }

@@ -1,5 +1,8 @@
 //! `lashloop test`: every scenario of files and folders, their sweeps included.
 
+mod dry_run;
+mod reports;
+
 use std::fs;
 use std::io::{self, IsTerminal};
 use std::num::NonZeroUsize;
@@ -18,10 +21,9 @@ use lashloop_bench::verdict::Exit;
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::options::{drive_help, plants};
-use super::output::{error_line, outln, prepare_folder};
+use super::output::{error_line, outln, prepare_folder, print_json};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
-use super::test_reports::TestReports;
 use lashloop::Bench;
 use lashloop_campaign::journal::{Journal, JournalError, program_sha256};
 use lashloop_campaign::suite::baseline::{Baseline, path_of};
@@ -33,6 +35,7 @@ use lashloop_campaign::suite::runner::Runner;
 use lashloop_campaign::suite::table::{Table, line, name_width};
 use lashloop_campaign::suite::tally::{Conclusion, Tally};
 use lashloop_campaign::workers;
+use reports::TestReports;
 
 /// Run every scenario of files and folders, sweeps included, and print one table
 ///
@@ -86,6 +89,17 @@ pub(crate) struct Arguments {
     /// Write the metrics of each case that passes to its baseline, instead of comparing them
     #[arg(long, conflicts_with = "set")]
     update: bool,
+
+    /// Check scenarios, the cases of their sweeps and their baselines without a run
+    ///
+    /// Prints each error as `path:line:column: message`. What only a drive knows is checked by a run: the names of its laws,
+    /// parameters and signals. Exit code 2 if there is an error.
+    #[arg(long, conflicts_with_all = ["out", "junit", "html", "update"])]
+    dry_run: bool,
+
+    /// Print the results of the cases as a JSON array; with --dry-run, the errors with file, line, column and message
+    #[arg(long, conflicts_with = "update")]
+    json: bool,
 }
 
 const JOURNAL: &str = "cases.jsonl";
@@ -93,6 +107,10 @@ const RECORDS: &str = "records";
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        if self.dry_run {
+            let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
+            return dry_run::check_all(&find(&self.paths)?, &overrides, &plants(bench), self.json);
+        }
         let reports = TestReports { junit: self.junit.as_deref(), html: self.html.as_deref() };
         let files = find(&self.paths);
         reports.check(files.as_deref().unwrap_or(&self.paths))?;
@@ -145,10 +163,10 @@ impl Arguments {
         let (is_terminal, width) = (io::stderr().is_terminal(), name_width(&tally));
         let signals = supervisor.guard_signals();
         let ended = workers::run_all(
-            &missing,
+            missing.len() as u64,
             jobs,
             &supervisor,
-            |case, stop| Ok(runner.run(case, stop)?),
+            |case, stop| Ok(runner.run(missing[case as usize], stop)?),
             |result| {
                 if let Some(journal) = &mut journal {
                     journal.append(&result)?;
@@ -164,16 +182,20 @@ impl Arguments {
         drop(signals);
         drop(progress);
         let wall_s = started.elapsed().as_secs_f64();
-        outln!("{}", Table { tally: &tally, wall_s });
+        if self.json {
+            print_json(&tally.rows().map(|(_, result)| result).collect::<Vec<_>>())?;
+        } else {
+            outln!("{}", Table { tally: &tally, wall_s });
+        }
         ended?;
         reports.finish(&tally, wall_s)?;
         match tally.conclusion() {
-            Conclusion::Incomplete => {
+            Conclusion::Incomplete if !self.json => {
                 let hint = if self.out.is_some() { "--resume completes it" } else { "--out keeps results" };
                 outln!("interrupted; {hint}");
             }
             Conclusion::Judged(_) | Conclusion::NothingRun if self.update => update_baselines(&tally)?,
-            Conclusion::Judged(_) | Conclusion::NothingRun => {}
+            _ => {}
         }
         Ok(tally.conclusion().exit())
     }

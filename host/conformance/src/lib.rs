@@ -41,7 +41,6 @@ mod description;
 mod encoders;
 mod handshake;
 mod judge;
-pub mod junit;
 mod latency;
 mod line;
 mod parameters;

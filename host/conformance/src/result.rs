@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+use serde::{Serialize, Serializer};
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "status", rename_all = "kebab-case")]
 pub enum CheckStatus {
     Passed,
     /// The drive breaks the rule. Both texts use the words and units of the protocol's specification.
@@ -20,7 +23,7 @@ pub enum CheckStatus {
     },
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct CheckResult {
     /// Group of the check, which is the name of its module.
     pub group: &'static str,
@@ -28,8 +31,14 @@ pub struct CheckResult {
     pub rules: &'static str,
     /// The rule, as a sentence.
     pub name: String,
+    #[serde(flatten)]
     pub status: CheckStatus,
     /// A measurement for information; empty if there is none.
     pub note: String,
+    #[serde(rename = "took_s", serialize_with = "seconds")]
     pub took: Duration,
+}
+
+fn seconds<S: Serializer>(time: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(time.as_secs_f64())
 }

@@ -80,6 +80,7 @@ impl Live {
         let site = Arc::new(Site { access, feed: Arc::clone(&feed) });
         let work = move || runtime.block_on(serve(listener, site, stopped));
         let thread = std::thread::Builder::new().name("live".to_owned()).spawn(work).map_err(bind)?;
+        tracing::debug!(thread = "live", %bound, "started");
         let urls = reachable(bound).map(|address| format!("http://{address}/{query}")).collect();
         Ok(Self { feed, address: bound, urls, stop: Some(stop), thread: Some(thread) })
     }

@@ -53,11 +53,12 @@ impl WindowRecorder {
             let mut events = self.events.iter().peekable();
             for (number, step) in (first_step..).zip(&steps) {
                 while let Some((at, event)) = events.next_if(|(at, _)| u64::from(*at) <= number) {
-                    files.push_event(*at, event)?;
+                    files.push_event(*at, event);
                 }
                 files.push(step)?;
             }
-            events.try_for_each(|(at, event)| files.push_event(*at, event))
+            events.for_each(|(at, event)| files.push_event(*at, event));
+            Ok(())
         };
         push(&mut files).map_err(|error| folder.named(error))?;
         self.failure.map_or(Ok(()), |failure| failure.write(folder.path()))?;

@@ -77,8 +77,10 @@ impl StepObserver for RecordWriter {
     }
 
     fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
-        let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push_event(step, event));
-        pushed.map_err(|error| self.folder.named(error))
+        if let Some(files) = &mut self.files {
+            files.push_event(step, event);
+        }
+        Ok(())
     }
 
     fn failed(&mut self, error: &RunError) {
@@ -144,13 +146,13 @@ pub(crate) struct Files {
 
 impl Files {
     pub(crate) fn push(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.samples.push(step)?;
+        self.samples.push(step);
         self.next_step += 1;
         if self.next_step.is_multiple_of(self.flush_rows) { self.samples.flush() } else { Ok(()) }
     }
 
-    pub(crate) fn push_event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
-        self.samples.push_event(step, event)
+    pub(crate) fn push_event(&mut self, step: u32, event: &Event) {
+        self.samples.push_event(step, event);
     }
 
     pub(crate) fn finish(self, folder: &RecordFolder, summary: &Summary) -> Result<(), WriteError> {

@@ -4,12 +4,14 @@
 //! |---|---|
 //! | [`runs`] | records as a figure |
 //! | [`page`] | reports of runs, suites, campaigns and comparisons as HTML |
+//! | [`junit`] | results for build servers |
 //! | [`suite_reports`] | the page of a suite, and the report of each record |
 
 #![forbid(unsafe_code)]
 
 mod chosen;
 mod draw_error;
+pub mod junit;
 pub mod page;
 pub mod runs;
 mod steps;

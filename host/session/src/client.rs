@@ -64,6 +64,15 @@ impl Session {
         line.clear()?;
         let identity = shake_hands(&mut line, number)?;
         let Description { laws, parameters, signals } = Description::read(&mut line, &identity)?;
+        tracing::info!(
+            session = number,
+            board = identity.board.as_str(),
+            firmware = %identity.firmware,
+            laws = laws.len(),
+            parameters = parameters.len(),
+            signals = signals.len(),
+            "the drive completed the handshake"
+        );
         let now = Instant::now();
         let timestamps = Timestamps { asked: now, sent: now, arrived: now, decoded: now };
         let subscription = Subscription::default();

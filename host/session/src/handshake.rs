@@ -23,6 +23,7 @@ pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionErr
     let mut left = line.patience.within(LIMIT);
     while !left.is_zero() {
         line.send(&hello.into())?;
+        tracing::debug!(session, "Hello sent");
         let sent = line.now();
         let identity = line.wait(sent + INTERVAL, |message| match message {
             DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {

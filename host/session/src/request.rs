@@ -38,6 +38,9 @@ impl Line {
     ) -> Result<Answered<T>, SessionError> {
         for attempt in 0..ATTEMPTS {
             let repeated = attempt > 0;
+            if repeated {
+                tracing::debug!(request = request.layout().name, attempt, "no answer in time: sent again");
+            }
             if let Some(with) = self.attempt(request, ATTEMPT_LIMIT, &mut wanted)? {
                 if repeated {
                     // Until the answers to earlier copies have arrived, one could be taken for the answer to a later

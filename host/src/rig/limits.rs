@@ -73,7 +73,7 @@ impl Rig {
     /// Checks what a scenario sets, before anything is opened. Whether its reference is a position isn't known yet.
     ///
     /// # Errors
-    /// As [`Limits::check_parameters`]; in bench mode the rig needs the scale of its amplifier.
+    /// As `check_parameters`; in bench mode the rig needs the scale of its amplifier.
     pub fn allows(&self, scenario: &Scenario) -> Result<(), LimitError> {
         if !scenario.run.mode.is_hil() && self.power_stage.torque_per_duty_nm.is_none() {
             return Err(LimitError::NoScale { rig: self.file.clone() });

@@ -1,4 +1,4 @@
-//! The campaign of `lashloop battery`, in the program.
+//! The campaign of `lashloop paper battery`, in the program.
 
 use lashloop_campaign::file::CampaignFile;
 use lashloop_campaign::{Campaign, CampaignError, Selection, Source};

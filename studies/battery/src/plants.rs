@@ -1,4 +1,4 @@
-//! The random plants of `lashloop battery`, one by one.
+//! The random plants of `lashloop paper battery`, one by one.
 
 use lashloop_bench::scenario::Override;
 use lashloop_bench::scenario::plant::standard;

@@ -1,4 +1,4 @@
-//! The tables of `lashloop battery`: quantiles on random plants, sweeps, limits.
+//! The tables of `lashloop paper battery`: quantiles on random plants, sweeps, limits.
 
 use std::fmt;
 

@@ -64,6 +64,7 @@ impl Running {
     pub fn start_command(mut command: Command) -> Self {
         let mut child = command
             .current_dir(workspace())
+            .env_remove("RUST_LOG")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

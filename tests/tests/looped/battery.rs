@@ -1,4 +1,4 @@
-//! `lashloop battery`: tables, limits, interruption and resumption.
+//! `lashloop paper battery`: tables, limits, interruption and resumption.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ use tests::{wait, workspace};
 
 /// Arguments of a battery with a folder for its results.
 fn arguments(records: &Records, rest: &str) -> Vec<String> {
-    let words = format!("battery {rest} --out {}", records.out());
+    let words = format!("paper battery {rest} --out {}", records.out());
     words.split_whitespace().map(str::to_owned).collect()
 }
 
@@ -75,7 +75,7 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
 #[test]
 fn braking_curve_meets_its_limits_on_seeds_outside_its_tuning() {
     for seed in [11, 12, 13] {
-        let line = format!("battery --plants 60 --controller braking-curve --no-sweeps --seed {seed}");
+        let line = format!("paper battery --plants 60 --controller braking-curve --no-sweeps --seed {seed}");
         let ended = program::run(line.split(' ')).with_code(0);
         assert_eq!(
             ended.stdout.lines().filter(|line| line.starts_with("met ")).count(),
@@ -200,11 +200,11 @@ fn diverged_run_is_counted_and_fails_the_battery() {
 #[test]
 fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
     for (arguments, expected) in [
-        ("battery --controller lqr", "expected pd, merzouki, backlash-inverse or braking-curve"),
-        ("battery --plants 0", "0 is not in 1..=100000"),
-        ("battery --jobs 0", "number would be zero"),
-        ("battery --resume", "--out <DIR>"),
-        ("battery --out Cargo.toml/out", "choose another folder with --out"),
+        ("paper battery --controller lqr", "expected pd, merzouki, backlash-inverse or braking-curve"),
+        ("paper battery --plants 0", "0 is not in 1..=100000"),
+        ("paper battery --jobs 0", "number would be zero"),
+        ("paper battery --resume", "--out <DIR>"),
+        ("paper battery --out Cargo.toml/out", "choose another folder with --out"),
     ] {
         let ended = program::run(arguments.split(' ')).with_code(2);
         assert!(ended.stderr.contains(expected), "{arguments}: {}", ended.stderr);

@@ -1,4 +1,4 @@
-//! `lashloop demo`: the first command of a new user.
+//! `lashloop paper demo`: the first command of a new user.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use tests::records::Records;
 fn demo_prints_a_table_and_draws_one_figure() {
     for device in ["inproc", "native"] {
         let records = Records::new();
-        let ended = program::run(["demo", "--device", device, "--out", &records.out()]).with_code(0);
+        let ended = program::run(["paper", "demo", "--device", device, "--out", &records.out()]).with_code(0);
         let (who, table) = ended.stdout.split_once('\n').expect("a line about the drive");
         assert!(who.starts_with(device), "{who}");
         // The same table for both devices, so one snapshot.

@@ -19,7 +19,7 @@ fn a_missed_expectation_fails_with_exit_code_1() {
     let settings = ["--set", "expect.0.min=1", "--set", "expect.0.max=4.5"];
     let ended = program::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(1);
     assert!(ended.stdout.contains("MISSED settle_time_s: 5.104 s; misses 1 to 4.5 s"), "{}", ended.stdout);
-    assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("FAIL  "), "{}", ended.stdout);
     assert_eq!(ended.messages(), [""; 0]);
     let summary = records.summary();
     assert_eq!((&summary["verdict"], &summary["expectations"][0]["ok"]), (&"FAIL".into(), &false.into()));
@@ -67,7 +67,8 @@ fn a_torque_beyond_the_limit_fails_the_run_with_rule_and_step() {
     let ended = program::run(arguments.into_iter().chain(PATIENCE)).with_code(1);
     let end = "the drive breaks rule R7.11 of docs/protocol.md at step 300, sequence 300: torque 25.000002 N m, limit: \
                25 N m; a torque lies within torque_limit_nm";
-    assert!(ended.stdout.ends_with(&format!("ENDED  {end}\nFAIL\n")), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("FAIL  "), "{}", ended.stdout);
+    assert!(ended.stdout.contains(&format!("\nENDED  {end}\n")), "{}", ended.stdout);
     let summary = records.summary();
     assert_eq!((&summary["verdict"], &summary["end"]), (&"FAIL".into(), &end.into()));
     let broken = json!({
@@ -93,7 +94,8 @@ fn an_interrupted_run_is_invalid_and_leaves_readable_records() {
         let (bench, records) = run_in_progress(device);
         bench.signal(signal);
         let ended = bench.wait().with_code(3);
-        assert!(ended.stdout.ends_with("ENDED  interrupted by the user\nINVALID\n"), "{}", ended.stdout);
+        assert!(ended.stdout.starts_with("INVALID  "), "{}", ended.stdout);
+        assert!(ended.stdout.contains("\nENDED  interrupted by the user\n"), "{}", ended.stdout);
         let summary = records.summary();
         assert_eq!(
             (&summary["verdict"], &summary["end"]),

@@ -1,4 +1,4 @@
-//! `lashloop experiment`: simulation and experiment side by side.
+//! `lashloop paper experiment`: simulation and experiment side by side.
 
 use std::fs;
 
@@ -8,7 +8,8 @@ use tests::records::Records;
 #[test]
 fn the_experiment_is_compared_with_its_simulation() {
     let records = Records::new();
-    let ended = program::run(["experiment", "--device", "inproc", "--out", &records.out()]).with_code(0);
+    let ended =
+        program::run(["paper", "experiment", "--device", "inproc", "--out", &records.out()]).with_code(0);
     assert_eq!(ended.stdout.matches("simulation PASS, experiment PASS").count(), 4, "{}", ended.stdout);
     let row = |name: &str| {
         let row =
@@ -39,8 +40,8 @@ fn the_experiment_is_compared_with_its_simulation() {
 
 #[test]
 fn nobody_moves_a_load_for_a_drive_without_pins() {
-    let ended =
-        program::run(["experiment", "--device", "native", "--out", &Records::new().out()]).with_code(4);
+    let ended = program::run(["paper", "experiment", "--device", "native", "--out", &Records::new().out()])
+        .with_code(4);
     assert!(ended.stderr.contains("no parameter sample_source"), "{}", ended.stderr);
     assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
 }

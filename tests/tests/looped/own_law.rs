@@ -101,3 +101,13 @@ fn the_paper_has_the_same_torques_in_a_program_with_an_own_law() {
     let _ = own_law(&arguments).with_code(0);
     assert_eq!(torque_sha256(&records), run.torque_sha256);
 }
+
+#[test]
+fn a_program_of_your_own_has_its_own_name() {
+    let complaint = own_law(&["run", "scenarios/none.toml", "--device", "inproc"]).with_code(2).stderr;
+    assert!(complaint.starts_with("own-law: "), "{complaint}");
+    let version = own_law(&["--version"]).with_code(0).stdout;
+    assert!(version.starts_with("own-law 0."), "{version}");
+    let help = own_law(&["--help"]).with_code(0).stdout;
+    assert!(help.contains("\nUsage: own-law ") && help.contains("  own-law run scenarios/"), "{help}");
+}

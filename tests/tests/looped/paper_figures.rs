@@ -1,4 +1,4 @@
-//! `lashloop paper`: the figures, and the numbers that the documentation quotes.
+//! `lashloop paper figures`: the figures, and the numbers that the documentation quotes.
 
 use std::fs;
 
@@ -39,7 +39,8 @@ fn the_documented_numbers_are_those_the_command_prints() {
     assert_eq!(tables.len(), 3, "the tables of docs/results.md");
     for device in ["inproc", "native"] {
         let records = Records::new();
-        let ended = program::run(["paper", "--device", device, "--out", &records.out()]).with_code(0);
+        let ended =
+            program::run(["paper", "figures", "--device", device, "--out", &records.out()]).with_code(0);
         assert!(ended.stdout.starts_with(device), "{}", ended.stdout);
         assert_eq!(ended.stdout.matches(" PASS\n").count(), 12, "{}", ended.stdout);
         for table in &tables {
@@ -71,7 +72,8 @@ fn the_documented_numbers_are_those_the_command_prints() {
 
 #[test]
 fn a_folder_for_the_figures_that_cannot_be_made_is_named() {
-    let ended = program::run(["paper", "--device", "inproc", "--out", "Cargo.toml/figures"]).with_code(2);
+    let ended =
+        program::run(["paper", "figures", "--device", "inproc", "--out", "Cargo.toml/figures"]).with_code(2);
     assert!(ended.stderr.starts_with("lashloop: Cargo.toml/figures: can't be written: "), "{}", ended.stderr);
     assert_eq!(ended.stdout, "", "nothing has run");
 }
@@ -80,7 +82,7 @@ fn a_folder_for_the_figures_that_cannot_be_made_is_named() {
 fn runs_for_the_figures_that_are_interrupted_leave_no_page() {
     let records = Records::new();
     fs::write(records.path("index.html"), "of an earlier time").expect("an old page");
-    let bench = Running::start(["paper", "--device", "native", "--out", &records.out()]);
+    let bench = Running::start(["paper", "figures", "--device", "native", "--out", &records.out()]);
     wait::until("the old page is removed", || (!records.path("index.html").exists()).then_some(()));
     bench.signal(Signal::INT);
     let ended = bench.wait();

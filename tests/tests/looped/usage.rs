@@ -85,7 +85,7 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
 }
 
 #[test]
-fn compare_refuses_a_missing_core() {
-    let ended = program::run(["compare", "--core", "1023"]).with_code(4);
+fn benchmark_refuses_a_missing_core() {
+    let ended = program::run(["benchmark", "--core", "1023"]).with_code(4);
     assert!(ended.stderr.contains("can't choose a core"), "{}", ended.stderr);
 }

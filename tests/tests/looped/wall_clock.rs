@@ -119,7 +119,7 @@ const WATCHED: [&str; 2] = ["1 kHz, recording: round trip p50, us", "1 kHz, live
 const MOST_SLOWED: f64 = 10.0;
 
 fn every_measurement_is_made_and_judged(options: &[&str], judged: &[&str]) {
-    let arguments = ["compare", "--rounds", "1", "--steps", "200", "--seconds", "1"];
+    let arguments = ["benchmark", "--rounds", "1", "--steps", "200", "--seconds", "1"];
     let ended = program::run(arguments.iter().chain(options));
     let lines: Vec<&str> = ended.stdout.lines().skip(1).collect();
     for what in ALWAYS.iter().chain(judged) {

@@ -79,7 +79,7 @@ fn another_board_is_neither_commissioned_nor_experimented_with() {
     let file = RigFile::with(&twin.device(), "odrive-v3", limits);
     let (rig, out) = (file.path(), records.out());
     let commission = ["commission", "--rig", &rig, "--mode", "hil", "--yes"];
-    let experiment = ["experiment", "--rig", &rig, "--out", &out];
+    let experiment = ["paper", "experiment", "--rig", &rig, "--out", &out];
     for arguments in [[&commission[..], &LIMITS[..4]].concat(), experiment.to_vec()] {
         let ended = program::run(arguments).with_code(4);
         assert!(ended.stderr.contains("its board is native-twin"), "{}", ended.stderr);
@@ -94,7 +94,7 @@ fn without_the_scale_of_its_amplifier_a_rig_does_not_move() {
     let file = RigFile::with(&twin.device(), "native-twin", "torque_nm = 5.0\nload_travel_rad = 3.2");
     let (rig, out) = (file.path(), records.out());
     let commission = ["commission", "--rig", &rig, "--yes"];
-    let experiment = ["experiment", "--rig", &rig, "--out", &out];
+    let experiment = ["paper", "experiment", "--rig", &rig, "--out", &out];
     for arguments in [[&commission[..], &LIMITS[..4]].concat(), experiment.to_vec()] {
         let ended = program::run(arguments).with_code(2);
         assert!(ended.stderr.contains("power_stage.torque_per_duty_nm is missing"), "{}", ended.stderr);

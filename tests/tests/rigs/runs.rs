@@ -24,7 +24,7 @@ fn a_run_on_a_rig_has_the_torques_of_its_device() {
     let (twin, records) = (Twin::start(), Records::new());
     let out = records.out();
     let ended = run(&RigFile::new(&twin.device()), &[&PATIENCE[..], &["--out", &out]].concat()).with_code(0);
-    assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("PASS  "), "{}", ended.stdout);
     assert_eq!(records.summary()["torque_sha256"], RUNS[1].torque_sha256);
 }
 
@@ -171,13 +171,14 @@ fn with_scale(device: &str, limits: &str) -> RigFile {
 fn an_experiment_takes_the_limits_of_the_rig_and_moves_no_load_without_a_drive() {
     let (twin, records) = (Twin::start(), Records::new());
     let (rig, out) = (with_scale(&twin.device(), "torque_nm = 2.0\nload_travel_rad = 3.2"), records.out());
-    let ended = program::run(["experiment", "--rig", &rig.path(), "--out", &out]).with_code(4);
+    let ended = program::run(["paper", "experiment", "--rig", &rig.path(), "--out", &out]).with_code(4);
     let reduced = "bench-smooth-before.toml: torque_limit_nm is 2 N m by limits.torque_nm, not 25";
     assert!(ended.stderr.contains(reduced), "{}", ended.stderr);
     assert!(ended.stderr.contains("no parameter sample_source"), "{}", ended.stderr);
     assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
     let absent =
-        program::run(["experiment", "--device", "/dev/serial/by-id/usb-none", "--out", &out]).with_code(4);
+        program::run(["paper", "experiment", "--device", "/dev/serial/by-id/usb-none", "--out", &out])
+            .with_code(4);
     assert!(!absent.stdout.contains("bring the load"), "{}", absent.stdout);
 }
 

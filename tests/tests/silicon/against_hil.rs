@@ -58,7 +58,7 @@ struct Difference {
 /// rows.
 pub(crate) fn experiment() {
     let records = Records::new();
-    let arguments = ["experiment", "--device", "silicon", "--out", &records.out()];
+    let arguments = ["paper", "experiment", "--device", "silicon", "--out", &records.out()];
     let ended = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     assert_eq!(ended.stdout.matches("simulation PASS, experiment PASS").count(), 4, "{}", ended.stdout);
     let page = fs::read_to_string(tests::workspace().join(PAGE)).expect("the page");

@@ -1,4 +1,4 @@
-//! `lashloop experiment` on a drive without a plant: a person brings the load to its start.
+//! `lashloop paper experiment` on a drive without a plant: a person brings the load to its start.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -56,7 +56,7 @@ fn rig_file(drive: &Drive, records: &Records) -> String {
 pub(crate) fn waits_for_the_start() {
     let (mut drive, records) = (Drive::start(), Records::new());
     let (rig, out) = (rig_file(&drive, &records), records.path("experiment").display().to_string());
-    let arguments = ["experiment", "--rig", &rig, "--out", &out, "--force"];
+    let arguments = ["paper", "experiment", "--rig", &rig, "--out", &out, "--force"];
 
     // Without a person at the terminal no run is made.
     let ended = program::run(arguments).with_code(2);

@@ -252,7 +252,7 @@ pub(crate) const SHORT: &str = "run.duration_s=2.0";
 
 /// Checks that a run on a device ends as that of the drive in process, with the same torques.
 pub(crate) fn check_torques(machine: &mut Machine, device: &str, settings: &[&str]) {
-    let here = ["run", SCENARIO, "--device", "inproc"].into_iter();
+    let here = ["run", SCENARIO, "--device", "inproc", "--details"].into_iter();
     let here = program::run(here.chain(settings.iter().flat_map(|setting| ["--set", setting])));
     let (there, summary) = run(machine, device, settings);
     assert_eq!(there.code, here.code, "{}\n{}", there.stdout, there.stderr);

@@ -134,7 +134,7 @@ def _recorded(words: list[str], out: Path, timeout_s: float | None) -> Record:
     if process.returncode in _JUDGED:
         return Record.read(out)
     kind = {_USAGE: ScenarioError, _DEVICE: DeviceError}.get(process.returncode, ProgramError)
-    raise kind(process.returncode, stderr.strip().removeprefix("lashloop: "))
+    raise kind(process.returncode, stderr.strip().removeprefix(f"{Path(words[0]).name}: "))
 
 
 def _end(process: subprocess.Popen[str]) -> None:

@@ -67,6 +67,7 @@ impl Connection {
             choice.0.check_modelled_uart(baud)?;
         }
         let Opened { link, host } = choice.0.open(baud, supervisor)?;
+        tracing::debug!(device = %choice, baud, modelled_baud, "the line is open");
         let files = OpenFiles::open(choice.0.files(supervisor));
         let link: Box<dyn Link> = match host.process() {
             Some(process) => Box::new(OwnTime::new(link, process.watch.clone())),

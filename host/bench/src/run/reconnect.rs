@@ -49,12 +49,14 @@ pub(super) fn set_up_again(
 ) -> Result<ControlFlow<End, f32>, RunError> {
     let deadline = device.session.line.now() + scenario.link.resume_limit();
     let lost = device.session.identity;
+    tracing::info!("the drive is lost: the bench sets it up again");
     loop {
         timeline.revive(device);
         let error = match setup::resume(device, scenario, clock, &lost) {
             Ok(torque_limit_nm) => return Ok(ControlFlow::Continue(torque_limit_nm)),
             Err(error) => error,
         };
+        tracing::debug!(%error, "the drive is not there yet");
         if stop_asked() {
             return Ok(ControlFlow::Break(End::Interrupted));
         }

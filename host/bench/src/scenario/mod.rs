@@ -11,7 +11,7 @@
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `meant` | traps that are meant | `traps` |
-//! | `[run]` `[encoders]` `[line]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
+//! | `[run]` `[encoders]` `[line]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`mod@sections`] |
 //! | `[bench]` | what lies at the drive's pins in bench mode | [`mod@bench`] |
 //! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |

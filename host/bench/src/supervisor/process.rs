@@ -97,6 +97,7 @@ impl Process {
     ) -> io::Result<Self> {
         let mut child = Command::from(command).kill_on_drop(true).spawn()?;
         let id = child.id().unwrap_or_default();
+        tracing::info!(program = name, process = id, "started");
         let end = Arc::new(End::default());
         let stderr = Arc::new(Mutex::new(Vec::new()));
         let (line_to, stdout) = mpsc::channel();
@@ -121,6 +122,7 @@ impl Process {
             if let Some(reader) = reader {
                 let _ = tokio::time::timeout(STDERR_LIMIT, reader).await;
             }
+            tracing::info!(program = name, process = id, ?status, "ended");
             *ended.status.lock().unwrap_or_else(PoisonError::into_inner) = status.ok();
             ended.changed.notify_all();
         });

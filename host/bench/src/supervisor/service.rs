@@ -87,6 +87,7 @@ impl Supervisor {
         let shared = Arc::clone(&signals);
         let work = move || runtime.block_on(supervise(inbox, shared, sources));
         thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
+        tracing::debug!(thread = "supervisor", "started");
         Ok(Self { bench, orders, signals })
     }
 
@@ -153,6 +154,15 @@ impl Supervisor {
     }
 
     fn command(&self, program: &Program, author: Author) -> Command {
+        let mut command = self.tied(program, author);
+        if author == Author::Bench {
+            // Its events would be the last lines of its standard error, which errors quote.
+            command.env_remove("RUST_LOG");
+        }
+        command
+    }
+
+    fn tied(&self, program: &Program, author: Author) -> Command {
         use std::os::unix::process::CommandExt;
         let is_tied = !self.bench.as_os_str().is_empty();
         let mut command = Command::new(if is_tied { self.bench.as_os_str() } else { &program.program });

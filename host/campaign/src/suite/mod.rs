@@ -10,14 +10,13 @@
 //! | [`baseline`] | metric values with tolerances, in a file next to the scenario |
 //! | [`header`] | what the journal of a suite belongs to |
 //! | [`tally`] | results in the order of the plan, and their exit code |
-//! | [`table`], [`junit`] | the results as text and as XML |
+//! | [`table`] | the results as text |
 
 pub mod baseline;
 pub mod case_result;
 pub mod check;
 pub mod files;
 pub mod header;
-pub mod junit;
 pub mod plan;
 pub mod runner;
 pub mod table;

@@ -9,6 +9,7 @@ mod export;
 mod link_budget;
 mod live;
 mod plot;
+mod printed;
 mod progress;
 mod report;
 mod rerun;

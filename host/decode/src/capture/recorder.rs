@@ -101,6 +101,7 @@ fn with_capacity(
     let write = move || keep_writing(&mut file, &mut blocks, &of_thread);
     let thread = thread::Builder::new().name("capture".to_owned()).spawn(write);
     let thread = thread.map_err(|source| shared.error("written", source))?;
+    tracing::debug!(thread = "capture", file = %shared.path.display(), "started");
     let capture = Capture(Arc::clone(&shared));
     // With a capacity for the longest piece and its block, so that no packet allocates.
     let block = Vec::with_capacity(LONGEST + 64);

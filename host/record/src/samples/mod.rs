@@ -12,13 +12,14 @@
 //! compressed by LZ4 and written whole. There are no message indexes, which would add a fifth to the file.
 
 mod columns;
+mod container;
 mod events;
 mod layout;
 mod reader;
-mod sink;
 mod table;
 mod writer;
 
+pub use container::ContainerError;
 pub use events::{RecordedEdge, RecordedText};
 pub use reader::{Samples, SamplesError};
 pub use table::write_table;

@@ -6,13 +6,11 @@ use std::io;
 use std::path::Path;
 
 use lashloop_plant::Signal;
-use mcap::McapError;
-use mcap::read::{ChunkFlattener, Options};
-use mcap::records::{Channel, MessageHeader, Record};
 
 use super::columns::{
     DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
 };
+use super::container::{self, ContainerError, Entry, MAGIC, MessageHead};
 use super::events::{self, RecordedEdge, RecordedText};
 use super::layout::{Field, decode, fields};
 use crate::columns::Columns;
@@ -41,7 +39,7 @@ pub enum SamplesError {
     Read(#[from] io::Error),
     /// Not MCAP.
     #[error("isn't an MCAP file: {0}")]
-    Mcap(#[from] McapError),
+    Mcap(#[from] ContainerError),
     /// A channel of another program.
     #[error("topic {topic} has no schema of Lashloop")]
     Schema {
@@ -64,64 +62,52 @@ impl Samples {
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
-        let has_end = bytes.ends_with(mcap::MAGIC);
-        // The reader of records would give some messages of that part.
-        let records = if has_end { &bytes } else { whole_records(&bytes) };
+        let has_end = bytes.ends_with(&MAGIC);
+        // The messages of a part of a chunk are left out.
+        let records = if has_end { &bytes } else { container::whole_records(&bytes) };
         let mut is_torn = records.len() < bytes.len();
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        for record in ChunkFlattener::new_with_options(records, Options::IgnoreEndMagic.into())? {
-            match record {
-                Ok(Record::Schema { header, data }) => {
-                    schemas.insert(header.id, data.into_owned());
+        let mut is_behind_data = false;
+        let result = container::read(records, |entry| {
+            match entry {
+                _ if is_behind_data => {}
+                Entry::Schema { id, data } => {
+                    schemas.insert(id, data.to_owned());
                 }
                 // From the channels, not from the messages: a run may be cut before the first telemetry.
-                Ok(Record::Channel(channel)) => {
-                    let schema = schemas.get(&channel.schema_id);
-                    [&mut steps, &mut drive].into_iter().try_for_each(|it| it.begin(&channel, schema))?;
-                    topics.insert(channel.id, channel.topic);
+                Entry::Channel { id, schema, topic, metadata } => {
+                    let schema = schemas.get(&schema);
+                    for messages in [&mut steps, &mut drive] {
+                        messages.begin(id, topic, &metadata, schema)?;
+                    }
+                    topics.insert(id, topic.to_owned());
                 }
-                Ok(Record::Message { header, data }) => {
-                    let at = steps.step_at(header.log_time);
-                    match topics.get(&header.channel_id).map(String::as_str) {
-                        Some(STEP_TOPIC) => steps.take(at, &header, &data)?,
-                        Some(DRIVE_TOPIC) => drive.take(header.sequence.into(), &header, &data)?,
-                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, &data)),
-                        Some(LOG_TOPIC) => logs.extend(events::text(at, &data)),
+                Entry::Message { head, data } => {
+                    let at = steps.step_at(head.log_time);
+                    match topics.get(&head.channel).map(String::as_str) {
+                        Some(STEP_TOPIC) => steps.take(at, &head, data)?,
+                        Some(DRIVE_TOPIC) => drive.take(head.sequence.into(), &head, data)?,
+                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, data)),
+                        Some(LOG_TOPIC) => logs.extend(events::text(at, data)),
                         _ => {}
                     }
                 }
-                // What follows repeats schemas and channels.
-                Ok(Record::DataEnd(_)) => {
-                    is_torn = false;
-                    break;
-                }
-                Ok(_) => {}
-                Err(error @ McapError::BadMagic) => return Err(error.into()),
-                Err(_) if !has_end => {
-                    is_torn = true;
-                    break;
-                }
-                Err(error) => return Err(error.into()),
+                Entry::DataEnd => (is_torn, is_behind_data) = (false, true),
             }
+            Ok(())
+        });
+        match result {
+            // A full disk or a power failure may leave anything.
+            Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => {
+                is_torn = true;
+            }
+            result => result?,
         }
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }
-}
-
-/// The file up to the end of its last whole record.
-fn whole_records(file: &[u8]) -> &[u8] {
-    let mut end = mcap::MAGIC.len().min(file.len());
-    while let Some(([_, length @ ..], content)) = file[end..].split_first_chunk::<9>() {
-        let length = usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX);
-        if content.len() < length {
-            break;
-        }
-        end += 9 + length;
-    }
-    &file[..end]
 }
 
 /// The columns of the trace, and those of the timing.
@@ -199,7 +185,7 @@ impl Messages {
     }
 
     /// Takes the message of a step.
-    fn take(&mut self, number: u64, header: &MessageHeader, data: &[u8]) -> Result<(), SamplesError> {
+    fn take(&mut self, number: u64, head: &MessageHead, data: &[u8]) -> Result<(), SamplesError> {
         self.message.clear();
         if !decode(&self.fields, data, &mut self.message) {
             return Err(SamplesError::Message { topic: self.topic.to_owned() });
@@ -208,21 +194,28 @@ impl Messages {
             values.push(*value);
         }
         self.numbers.push(number);
-        self.times_ns.push(header.log_time);
+        self.times_ns.push(head.log_time);
         Ok(())
     }
 
     /// Takes the fields of the channel, if it is that of the topic.
-    fn begin(&mut self, channel: &Channel, schema: Option<&Vec<u8>>) -> Result<(), SamplesError> {
-        if channel.topic != self.topic || self.channel.is_some() {
+    fn begin(
+        &mut self,
+        id: u16,
+        topic: &str,
+        metadata: &[(&str, &str)],
+        schema: Option<&Vec<u8>>,
+    ) -> Result<(), SamplesError> {
+        if topic != self.topic || self.channel.is_some() {
             return Ok(());
         }
         let fields = schema.and_then(|schema| fields(std::str::from_utf8(schema).ok()?));
-        let period_us = channel.metadata.get(PERIOD_US).and_then(|text| text.parse().ok());
+        let period_us = metadata.iter().find(|(name, _)| *name == PERIOD_US);
+        let period_us = period_us.and_then(|(_, text)| text.parse().ok());
         let (Some(fields), Some(period_us)) = (fields, period_us) else {
             return Err(SamplesError::Schema { topic: self.topic.to_owned() });
         };
-        (self.channel, self.period_us) = (Some(channel.id), period_us);
+        (self.channel, self.period_us) = (Some(id), period_us);
         self.values = vec![Vec::new(); fields.len()];
         self.fields = fields;
         Ok(())

@@ -1,14 +1,11 @@
 //! A table of any columns as MCAP: a message per row, all fields real numbers.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
-use mcap::McapError;
-use mcap::records::MessageHeader;
 
+use super::container::{MessageHead, Writer};
 use super::layout::{Field, FieldType, MESSAGE_ENCODING, SCHEMA_ENCODING, encode, schema};
-use super::writer::{open, written};
 use crate::columns::Columns;
 use crate::trace::TIME;
 
@@ -19,16 +16,11 @@ const TOPIC: &str = "/table";
 /// # Errors
 /// The file can't be written.
 pub fn write_table(columns: &Columns, path: &Path) -> Result<(), WriteError> {
-    let file = GrowingFile::create(path, ".samples-", b"")?;
-    write(columns, file).map_err(|error| written(path, error))
-}
-
-fn write(columns: &Columns, file: GrowingFile) -> Result<(), McapError> {
-    let mut file = open(file)?;
+    let mut file = Writer::new(GrowingFile::create(path, ".samples-", b"")?, MESSAGE_ENCODING);
     let field = |column: &lashloop_plant::Signal| Field { ty: FieldType::Float64, column: column.clone() };
     let fields: Vec<_> = columns.signals().iter().map(field).collect();
-    let schema_id = file.add_schema("lashloop/Table", SCHEMA_ENCODING, schema(&fields).as_bytes())?;
-    let channel_id = file.add_channel(schema_id, TOPIC, MESSAGE_ENCODING, &BTreeMap::new())?;
+    let schema = file.add_schema("lashloop/Table", SCHEMA_ENCODING, &schema(&fields));
+    let channel = file.add_channel(schema, TOPIC, MESSAGE_ENCODING, &[]);
     let time_s = columns.get(TIME).unwrap_or_default();
     let mut message = Vec::new();
     for row in 0..columns.len() {
@@ -36,12 +28,10 @@ fn write(columns: &Columns, file: GrowingFile) -> Result<(), McapError> {
         message.clear();
         encode(&fields, columns.row(row), &mut message);
         let sequence = row as u32;
-        let header = MessageHeader { channel_id, sequence, log_time: time_ns, publish_time: time_ns };
-        file.write_to_known_channel(&header, &message)?;
+        file.message(&MessageHead { channel, sequence, log_time: time_ns, publish_time: time_ns }, &message);
         if row % 1000 == 999 {
             file.flush()?;
         }
     }
-    file.finish()?;
-    Ok(())
+    file.finish()
 }

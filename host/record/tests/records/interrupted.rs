@@ -153,7 +153,8 @@ fn samples_before_the_first_telemetry_have_the_columns_of_the_drive() {
     };
     let drive = DriveValues { values: [f64::NAN].into_iter().collect(), time_s: None };
     let step = Step { row, sample: None, plant: [].into_iter().collect(), drive, timing };
-    writer.push(&step).and_then(|()| writer.flush()).expect("a step");
+    writer.push(&step);
+    writer.flush().expect("a step");
     let samples = Samples::read(&folder.path().join("run.mcap")).expect("samples");
     let error = samples.trace.get("drive.load_error_rad").expect("the column of the drive");
     assert!(error.len() == 1 && error[0].is_nan() && !samples.is_torn, "{error:?}");

@@ -1,5 +1,6 @@
 //! Records of runs in this process, written and read.
 
+mod container;
 mod interrupted;
 mod large;
 mod repeated;

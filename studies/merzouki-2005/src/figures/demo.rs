@@ -1,4 +1,4 @@
-//! The figure of `lashloop demo`: the effect of compensation on the paper's smooth plant and with friction.
+//! The figure of `lashloop paper demo`: the effect of compensation on the paper's smooth plant and with friction.
 //!
 //! It corresponds to figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and gives
 //! our numbers next to the paper's, also where they differ.

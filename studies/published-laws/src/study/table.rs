@@ -107,7 +107,7 @@ fn cell(column: &Column, value: Option<f64>, better: bool) -> String {
     format!("{}{mark}", number(column, value))
 }
 
-/// By nearest rank, as the campaigns of `lashloop battery`.
+/// By nearest rank, as the campaigns of `lashloop paper battery`.
 fn quantiles(row: &Row, column: &Column) -> Vec<Option<f64>> {
     let mut values: Vec<_> = row.figures.iter().filter_map(column.of).collect();
     values.sort_by(f64::total_cmp);

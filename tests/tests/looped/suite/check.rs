@@ -1,4 +1,4 @@
-//! `lashloop check`, and the git hook that calls it.
+//! `lashloop test --dry-run`, and the git hook that calls it.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ fn a_check_reports_every_error_at_its_line_and_column() {
         format!("{SHORT}{NOISE}").replace("duration_s = 1.5", "duration_s = -1").replace("0.4]", "-4]");
     let suite = Suite::new(&[("a.toml", wrong), ("b.toml", SHORT.to_owned())]);
     suite.write("b.baseline.toml", "[[case]]\n[case.metrics]\nspeed = { value = 1, tolerance = 1 }\n");
-    let ended = program::run(["check", &suite.path("s")]).with_code(2);
+    let ended = program::run(["test", "--dry-run", &suite.path("s")]).with_code(2);
     let places: Vec<_> = ended.stdout.lines().map(|line| line.replace(&suite.path("s/"), "")).collect();
     let starts = [
         "a.toml:3:1: run.duration_s: -1 is out of range",
@@ -24,10 +24,10 @@ fn a_check_reports_every_error_at_its_line_and_column() {
     for (place, start) in places.iter().zip(starts) {
         assert!(place.starts_with(start), "{place}\nnot {start}");
     }
-    let json = program::run(["check", "--json", &suite.path("s")]).with_code(2).stdout;
+    let json = program::run(["test", "--dry-run", "--json", &suite.path("s")]).with_code(2).stdout;
     let findings: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&findings[1]["line"], &findings[1]["column"]), (&12.into(), &1.into()));
-    let ended = program::run(["check", "scenarios", "examples"]).with_code(2);
+    let ended = program::run(["test", "--dry-run", "scenarios", "examples"]).with_code(2);
     assert!(!ended.stdout.contains("scenarios/"), "the scenarios of the tree are right: {}", ended.stdout);
 }
 

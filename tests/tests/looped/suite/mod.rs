@@ -1,4 +1,4 @@
-//! `lashloop test`, `check` and `completions`: folders of scenarios, and what editors and shells get.
+//! `lashloop test` and `completions`: folders of scenarios, and what editors and shells get.
 
 mod baselines;
 mod check;

@@ -88,6 +88,7 @@ pub(in crate::run) fn run_with_drain<T: Send>(
 ) -> Result<T, std::io::Error> {
     thread::scope(|scope| {
         let work = thread::Builder::new().name("loop".to_owned()).spawn_scoped(scope, work)?;
+        tracing::debug!(thread = "loop", "started");
         while !work.is_finished() {
             drain();
             thread::sleep(DRAIN_INTERVAL);

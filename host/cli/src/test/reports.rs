@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::remove_if_present;
+use lashloop_report::junit::Case as JunitCase;
 use lashloop_report::{page, suite_reports};
 
-use super::error::CliError;
-use super::output::error_line;
-use super::report_files::{check, is_replaced, write, write_junit};
-use lashloop_campaign::suite::junit::Row;
+use crate::error::CliError;
+use crate::output::warn;
+use crate::report_files::{check, is_replaced, write, write_junit};
 use lashloop_campaign::suite::plan::Case;
 use lashloop_campaign::suite::tally::Tally;
 
@@ -38,7 +38,7 @@ impl TestReports<'_> {
     pub(super) fn finish(&self, tally: &Tally<'_>, wall_s: f64) -> Result<(), CliError> {
         if let Some(path) = self.html {
             for error in suite_reports::write_reports(tally)? {
-                error_line(format_args!("no report of a record: {error}"));
+                warn(format_args!("no report of a record: {error}"));
             }
             write_index(path, tally, wall_s)?;
         }
@@ -50,7 +50,7 @@ impl TestReports<'_> {
         let junit = self.junit.map(|path| write_junit(path, NAME, &[], Some(&error.to_string())));
         let page = self.html.filter(|path| path.is_file()).map(|path| Ok(remove_if_present(path)?));
         for error in junit.into_iter().chain(page).filter_map(Result::err) {
-            error_line(format_args!("lashloop: warning: {error}"));
+            warn(format_args!("{error}"));
         }
     }
 }
@@ -60,7 +60,7 @@ fn write_tally(path: &Path, tally: &Tally<'_>) -> Result<(), CliError> {
         let Case { file, settings, .. } = case;
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let case = if settings.is_empty() { stem } else { settings.join(", ") };
-        Row { file: file.display().to_string(), case, result }
+        JunitCase::of_run(&file.display().to_string(), &case, result)
     };
     let rows: Vec<_> = tally.rows().map(row).collect();
     write_junit(path, NAME, &rows, tally.shortfall().as_deref())

@@ -1,4 +1,4 @@
-//! `lashloop experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
+//! `lashloop paper experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
 
 use std::fs;
 use std::io::{self, BufRead, Write};
@@ -22,11 +22,11 @@ use merzouki_2005::figures::{
 };
 use toml_edit::DocumentMut;
 
-use super::error::{CliError, system};
 use super::history::run_for_figure;
-use super::options::{RigOption, plants};
-use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
-use super::supervision::start_supervisor;
+use crate::error::{CliError, system};
+use crate::options::{RigOption, plants};
+use crate::output::{outln, prepare_folder, warn, write_csv, write_file};
+use crate::supervision::start_supervisor;
 use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::{Rig, RigError};
 use merzouki_2005::scenarios::{BENCH_SCENARIOS, Source};
@@ -195,7 +195,7 @@ fn scenarios(
     let mut of_hil = Scenario::from_str_with(name, text, &settings("hil"), plants)?;
     if let Some(rig) = rig {
         for reduced in rig.limits.reduce(&mut of_bench) {
-            error_line(format_args!("lashloop: warning: {name}: {reduced}"));
+            warn(format_args!("{name}: {reduced}"));
         }
         let _ = rig.limits.reduce(&mut of_hil);
         rig.allows(&of_bench).map_err(RigError::from)?;
@@ -232,7 +232,7 @@ fn experiment(
     }
     let mut drive = OpenDrive::open(&scenario, place, clock, supervisor)?;
     for warning in drive.device().warnings() {
-        error_line(format_args!("lashloop: warning: {warning}"));
+        warn(format_args!("{warning}"));
     }
     let (run, verdict) = run_for_figure(&mut drive, scenario, 0.0, supervisor, Some(recorder))?;
     Ok((run, verdict, drive.device().description()))

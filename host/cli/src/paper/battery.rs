@@ -1,4 +1,4 @@
-//! `lashloop battery`: control laws on plants outside their tuning.
+//! `lashloop paper battery`: control laws on plants outside their tuning.
 
 use clap::Args;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
@@ -9,13 +9,13 @@ use lashloop_campaign::shard::Shard;
 use lashloop_campaign::table::Table;
 use lashloop_firmware::Laws;
 
-use super::campaign_run::{
+use crate::campaign_run::{
     Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
 };
-use super::error::CliError;
-use super::options::plants;
-use super::output::outln;
-use super::supervision::start_supervisor;
+use crate::error::CliError;
+use crate::options::plants;
+use crate::output::outln;
+use crate::supervision::start_supervisor;
 use battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
 use battery::text::Tables;
 use lashloop::Bench;

@@ -1,4 +1,4 @@
-//! `lashloop paper`: the paper's figures and numbers, reproduced.
+//! `lashloop paper figures`: the paper's figures and numbers, reproduced.
 
 use std::path::PathBuf;
 
@@ -10,11 +10,11 @@ use merzouki_2005::figures::{Laws, PAPER, Run, Runs, figures, file_name, page, t
 use merzouki_2005::plan::{PLANS, SHAFT, scenario, shown_from_s, twist};
 use merzouki_2005::scenarios::SCENARIOS;
 
-use super::error::CliError;
 use super::history::run_for_figure;
-use super::options::DeviceOption;
-use super::output::{outln, prepare_folder, write_file};
-use super::supervision::start_supervisor;
+use crate::error::CliError;
+use crate::options::DeviceOption;
+use crate::output::{outln, prepare_folder, write_file};
+use crate::supervision::start_supervisor;
 use lashloop::execution::OpenDrive;
 
 const INDEX: &str = "index.html";

@@ -11,8 +11,8 @@ use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 use merzouki_2005::figures::Run;
 
-use super::error::CliError;
-use super::progress::Progress;
+use crate::error::CliError;
+use crate::progress::Progress;
 
 struct History {
     trace: Columns,

@@ -1,4 +1,4 @@
-//! `lashloop demo`: the paper's four runs as a table and a figure.
+//! `lashloop paper demo`: the paper's four runs as a table and a figure.
 
 use std::path::PathBuf;
 
@@ -9,11 +9,11 @@ use lashloop_bench::run::Clock;
 use lashloop_bench::verdict::{Exit, Verdict};
 use merzouki_2005::demo;
 
-use super::error::CliError;
 use super::history::run_for_figure;
-use super::options::DeviceOption;
-use super::output::{outln, prepare_folder, write_file};
-use super::supervision::start_supervisor;
+use crate::error::CliError;
+use crate::options::DeviceOption;
+use crate::output::{outln, prepare_folder, write_file};
+use crate::supervision::start_supervisor;
 
 /// Run the paper's four scenarios: a table and a figure, before and after compensation
 #[derive(Args)]

@@ -1,4 +1,4 @@
-//! `lashloop compare`: the cost of the loop against a baseline.
+//! `lashloop benchmark`: the cost of the loop against a baseline.
 //!
 //! The baseline is the minimum for the task: a thread that sleeps until the next period, and a ping-pong of the same bytes
 //! over a pseudo-terminal. In real time the ping-pong has the loop's deadline; its time without a deadline is printed as

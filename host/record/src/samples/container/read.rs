@@ -1,0 +1,150 @@
+//! Reads the records of a file, those of its chunks included.
+
+use std::io::Read as _;
+
+use lz4_flex::frame::FrameDecoder;
+
+use super::{CRC32, ContainerError, LZ4, MAGIC, MessageHead, opcode, split_record};
+
+/// A record of a file, chunks resolved.
+pub(in crate::samples) enum Entry<'a> {
+    Schema {
+        id: u16,
+        data: &'a [u8],
+    },
+    Channel {
+        id: u16,
+        schema: u16,
+        topic: &'a str,
+        metadata: Vec<(&'a str, &'a str)>,
+    },
+    Message {
+        head: MessageHead,
+        data: &'a [u8],
+    },
+    /// What follows repeats schemas and channels.
+    DataEnd,
+}
+
+/// Passes the entries of a file to `take`, up to the first error of either.
+///
+/// # Errors
+/// The file is not MCAP or is damaged, or `take` fails.
+pub(in crate::samples) fn read<E: From<ContainerError>>(
+    file: &[u8],
+    mut take: impl FnMut(Entry<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut rest = file.strip_prefix(&MAGIC).ok_or(ContainerError::Magic)?;
+    while let Some((opcode, mut content, behind)) = split_record(rest) {
+        rest = behind;
+        if opcode == opcode::CHUNK {
+            let chunk = chunk(&mut content)?;
+            let mut inside = &chunk[..];
+            while let Some((opcode, content, behind)) = split_record(inside) {
+                inside = behind;
+                pass(opcode, content, &mut take)?;
+            }
+        } else {
+            pass(opcode, content, &mut take)?;
+        }
+    }
+    Ok(())
+}
+
+fn pass<E: From<ContainerError>>(
+    opcode: u8,
+    content: &[u8],
+    take: &mut impl FnMut(Entry<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    match entry(opcode, content) {
+        Some(Some(entry)) => take(entry),
+        Some(None) => Ok(()),
+        None => Err(ContainerError::Short { opcode }.into()),
+    }
+}
+
+/// The entry of a record; `Some(None)` is of another kind, and `None` is too short.
+fn entry(opcode: u8, mut content: &[u8]) -> Option<Option<Entry<'_>>> {
+    let content = &mut content;
+    Some(Some(match opcode {
+        opcode::SCHEMA => {
+            let id = take_u16(content)?;
+            let (_name, _encoding) = (take_text(content)?, take_text(content)?);
+            let length = take_u32(content)? as usize;
+            Entry::Schema { id, data: content.get(..length)? }
+        }
+        opcode::CHANNEL => {
+            let (id, schema, topic) = (take_u16(content)?, take_u16(content)?, take_text(content)?);
+            let _encoding = take_text(content)?;
+            let length = take_u32(content)? as usize;
+            let mut pairs = content.get(..length)?;
+            let mut metadata = Vec::new();
+            while !pairs.is_empty() {
+                metadata.push((take_text(&mut pairs)?, take_text(&mut pairs)?));
+            }
+            Entry::Channel { id, schema, topic, metadata }
+        }
+        opcode::MESSAGE => {
+            let head = MessageHead {
+                channel: take_u16(content)?,
+                sequence: take_u32(content)?,
+                log_time: take_u64(content)?,
+                publish_time: take_u64(content)?,
+            };
+            Entry::Message { head, data: content }
+        }
+        opcode::DATA_END => Entry::DataEnd,
+        _ => return Some(None),
+    }))
+}
+
+/// The records of a chunk.
+fn chunk(content: &mut &[u8]) -> Result<Vec<u8>, ContainerError> {
+    let fields = |content: &mut &[u8]| {
+        let _times = (take_u64(content)?, take_u64(content)?);
+        let (length, crc, compression) =
+            (take_u64(content)?, take_u32(content)?, take_text(content)?.to_owned());
+        let _compressed = take_u64(content)?;
+        Some((length, crc, compression))
+    };
+    let (length, crc, compression) =
+        fields(content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
+    let records = match &*compression {
+        "" => content.to_vec(),
+        LZ4 => {
+            let mut records = Vec::new();
+            FrameDecoder::new(*content).take(length).read_to_end(&mut records)?;
+            records
+        }
+        _ => return Err(ContainerError::Compression { name: compression }),
+    };
+    if crc != 0 && CRC32.checksum(&records) != crc {
+        return Err(ContainerError::Checksum);
+    }
+    Ok(records)
+}
+
+fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+    let (first, rest) = bytes.split_first_chunk()?;
+    *bytes = rest;
+    Some(*first)
+}
+
+fn take_u16(bytes: &mut &[u8]) -> Option<u16> {
+    take(bytes).map(u16::from_le_bytes)
+}
+
+fn take_u32(bytes: &mut &[u8]) -> Option<u32> {
+    take(bytes).map(u32::from_le_bytes)
+}
+
+fn take_u64(bytes: &mut &[u8]) -> Option<u64> {
+    take(bytes).map(u64::from_le_bytes)
+}
+
+fn take_text<'a>(bytes: &mut &'a [u8]) -> Option<&'a str> {
+    let length = take_u32(bytes)? as usize;
+    let (text, rest) = bytes.split_at_checked(length)?;
+    *bytes = rest;
+    std::str::from_utf8(text).ok()
+}

@@ -1,0 +1,262 @@
+//! Writes a file, record by record.
+
+use std::io::Write as _;
+
+use lashloop_bench::atomic_file::{GrowingFile, WriteError};
+use lz4_flex::frame::{BlockMode, FrameEncoder, FrameInfo};
+
+use super::{CRC32, HEAD, LZ4, MAGIC, MessageHead, opcode};
+
+/// The content of a record, field by field.
+#[derive(Default)]
+struct Content(Vec<u8>);
+
+impl Content {
+    fn u16(mut self, value: u16) -> Self {
+        self.0.extend_from_slice(&value.to_le_bytes());
+        self
+    }
+
+    fn u32(mut self, value: u32) -> Self {
+        self.0.extend_from_slice(&value.to_le_bytes());
+        self
+    }
+
+    fn u64(mut self, value: u64) -> Self {
+        self.0.extend_from_slice(&value.to_le_bytes());
+        self
+    }
+
+    /// Bytes behind their length in four bytes.
+    fn bytes(self, bytes: &[u8]) -> Self {
+        let mut content = self.u32(bytes.len() as u32);
+        content.0.extend_from_slice(bytes);
+        content
+    }
+
+    fn text(self, text: &str) -> Self {
+        self.bytes(text.as_bytes())
+    }
+}
+
+fn push_record(opcode: u8, content: &[u8], bytes: &mut Vec<u8>) {
+    bytes.push(opcode);
+    bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(content);
+}
+
+/// Writes a file. Each [`flush`](Self::flush) is one write, so that an interrupted run leaves whole records.
+#[derive(Debug)]
+pub(in crate::samples) struct Writer {
+    file: GrowingFile,
+    /// Records to write, the chunk apart.
+    pending: Vec<u8>,
+    /// Bytes before them.
+    written: u64,
+    /// The messages of the chunk begun.
+    chunk: Vec<u8>,
+    /// First and last time of its messages.
+    chunk_ns: Option<(u64, u64)>,
+    /// The parts of the summary.
+    schemas: Vec<u8>,
+    channels: Vec<u8>,
+    attachments: Vec<u8>,
+    schema_count: u16,
+    /// Messages of each channel, which have the numbers from 1.
+    messages: Vec<u64>,
+    attachment_count: u32,
+    chunk_count: u32,
+    /// First and last time of all messages.
+    all_ns: Option<(u64, u64)>,
+    /// After a failure nothing more is written: an end without what precedes it would be wrong.
+    has_failed: bool,
+    has_ended: bool,
+}
+
+impl Drop for Writer {
+    /// The file of a run that ended with an error has all its messages and an end.
+    fn drop(&mut self) {
+        if !self.has_ended {
+            let _ = self.end();
+        }
+    }
+}
+
+impl Writer {
+    /// Begins a file. Nothing is written before the first flush.
+    pub(in crate::samples) fn new(file: GrowingFile, profile: &str) -> Self {
+        let mut pending = MAGIC.to_vec();
+        let library = concat!("lashloop ", env!("CARGO_PKG_VERSION"));
+        push_record(opcode::HEADER, &Content::default().text(profile).text(library).0, &mut pending);
+        Self {
+            file,
+            pending,
+            written: 0,
+            chunk: Vec::new(),
+            chunk_ns: None,
+            schemas: Vec::new(),
+            channels: Vec::new(),
+            attachments: Vec::new(),
+            schema_count: 0,
+            messages: Vec::new(),
+            attachment_count: 0,
+            chunk_count: 0,
+            all_ns: None,
+            has_failed: false,
+            has_ended: false,
+        }
+    }
+
+    /// Adds a schema; returns its number.
+    pub(in crate::samples) fn add_schema(&mut self, name: &str, encoding: &str, data: &str) -> u16 {
+        self.schema_count += 1;
+        let content = Content::default().u16(self.schema_count).text(name).text(encoding).text(data);
+        push_record(opcode::SCHEMA, &content.0, &mut self.pending);
+        push_record(opcode::SCHEMA, &content.0, &mut self.schemas);
+        self.schema_count
+    }
+
+    /// Adds a channel of a schema; returns its number.
+    pub(in crate::samples) fn add_channel(
+        &mut self,
+        schema: u16,
+        topic: &str,
+        encoding: &str,
+        metadata: &[(&str, &str)],
+    ) -> u16 {
+        self.messages.push(0);
+        let number = self.messages.len() as u16;
+        let pairs = metadata.iter().fold(Content::default(), |it, (name, value)| it.text(name).text(value));
+        let content = Content::default().u16(number).u16(schema).text(topic).text(encoding).bytes(&pairs.0);
+        push_record(opcode::CHANNEL, &content.0, &mut self.pending);
+        push_record(opcode::CHANNEL, &content.0, &mut self.channels);
+        number
+    }
+
+    /// Adds a message of a channel to the chunk.
+    pub(in crate::samples) fn message(&mut self, head: &MessageHead, data: &[u8]) {
+        let MessageHead { channel, sequence, log_time, publish_time } = *head;
+        let length = (2 + 4 + 8 + 8 + data.len()) as u64;
+        self.chunk.push(opcode::MESSAGE);
+        self.chunk.extend_from_slice(&length.to_le_bytes());
+        self.chunk.extend_from_slice(&channel.to_le_bytes());
+        self.chunk.extend_from_slice(&sequence.to_le_bytes());
+        self.chunk.extend_from_slice(&log_time.to_le_bytes());
+        self.chunk.extend_from_slice(&publish_time.to_le_bytes());
+        self.chunk.extend_from_slice(data);
+        self.messages[usize::from(channel) - 1] += 1;
+        for range in [&mut self.chunk_ns, &mut self.all_ns] {
+            let (first, last) = range.unwrap_or((log_time, log_time));
+            *range = Some((first.min(log_time), last.max(log_time)));
+        }
+    }
+
+    /// Adds a file, outside of the chunk.
+    ///
+    /// # Errors
+    /// The chunk begun can't be written.
+    pub(in crate::samples) fn attach(
+        &mut self,
+        name: &str,
+        media_type: &str,
+        text: &str,
+    ) -> Result<(), WriteError> {
+        self.flush()?;
+        let head = Content::default().u64(0).u64(0).text(name).text(media_type).u64(text.len() as u64);
+        let Content(mut content) = head;
+        content.extend_from_slice(text.as_bytes());
+        content.extend_from_slice(&CRC32.checksum(&content).to_le_bytes());
+        let index = Content::default().u64(self.written + self.pending.len() as u64);
+        let index = index.u64((HEAD + content.len()) as u64).u64(0).u64(0).u64(text.len() as u64);
+        push_record(opcode::ATTACHMENT_INDEX, &index.text(name).text(media_type).0, &mut self.attachments);
+        self.attachment_count += 1;
+        push_record(opcode::ATTACHMENT, &content, &mut self.pending);
+        Ok(())
+    }
+
+    /// Writes the chunk begun and what precedes it.
+    ///
+    /// # Errors
+    /// The file can't be written. What was written before is kept.
+    pub(in crate::samples) fn flush(&mut self) -> Result<(), WriteError> {
+        if let Some((first_ns, last_ns)) = self.chunk_ns.take() {
+            let info = FrameInfo::new().block_mode(BlockMode::Linked);
+            let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
+            // Writing to memory does not fail.
+            let _ = encoder.write_all(&self.chunk);
+            let compressed = encoder.finish().unwrap_or_default();
+            let head = Content::default().u64(first_ns).u64(last_ns).u64(self.chunk.len() as u64);
+            let head = head.u32(CRC32.checksum(&self.chunk)).text(LZ4).u64(compressed.len() as u64);
+            let Content(mut content) = head;
+            content.extend_from_slice(&compressed);
+            push_record(opcode::CHUNK, &content, &mut self.pending);
+            self.chunk.clear();
+            self.chunk_count += 1;
+        }
+        self.write()
+    }
+
+    fn write(&mut self) -> Result<(), WriteError> {
+        if self.has_failed {
+            return self.file.fail("an earlier chunk could not be written");
+        }
+        let result = self.file.append(&self.pending);
+        self.written += self.pending.len() as u64;
+        self.pending.clear();
+        self.has_failed = result.is_err();
+        result
+    }
+
+    /// Writes the summary and the end.
+    ///
+    /// # Errors
+    /// They can't be written.
+    pub(in crate::samples) fn finish(mut self) -> Result<(), WriteError> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<(), WriteError> {
+        self.has_ended = true;
+        self.flush()?;
+        push_record(opcode::DATA_END, &Content::default().u32(0).0, &mut self.pending);
+        self.write()?;
+        let summary_start = self.written;
+        let mut offsets = Vec::new();
+        let statistics = self.statistics();
+        let groups = [
+            (opcode::SCHEMA, &self.schemas),
+            (opcode::CHANNEL, &self.channels),
+            (opcode::STATISTICS, &statistics),
+            (opcode::ATTACHMENT_INDEX, &self.attachments),
+        ];
+        for (opcode, records) in groups.into_iter().filter(|(_, records)| !records.is_empty()) {
+            let Content(mut offset) = Content(vec![opcode]).u64(summary_start + self.pending.len() as u64);
+            offset.extend_from_slice(&(records.len() as u64).to_le_bytes());
+            push_record(opcode::SUMMARY_OFFSET, &offset, &mut offsets);
+            self.pending.extend_from_slice(records);
+        }
+        let offsets_start = summary_start + self.pending.len() as u64;
+        self.pending.extend_from_slice(&offsets);
+        // The checksum covers the summary and the footer up to itself.
+        let footer = Content::default().u64(summary_start).u64(offsets_start);
+        self.pending.push(opcode::FOOTER);
+        self.pending.extend_from_slice(&(footer.0.len() as u64 + 4).to_le_bytes());
+        self.pending.extend_from_slice(&footer.0);
+        let crc = CRC32.checksum(&self.pending);
+        self.pending.extend_from_slice(&crc.to_le_bytes());
+        self.pending.extend_from_slice(&MAGIC);
+        self.write()
+    }
+
+    fn statistics(&self) -> Vec<u8> {
+        let counts = (1..).zip(&self.messages);
+        let counts = counts.fold(Content::default(), |it, (channel, count)| it.u16(channel).u64(*count));
+        let (first_ns, last_ns) = self.all_ns.unwrap_or_default();
+        let content = Content::default().u64(self.messages.iter().sum()).u16(self.schema_count);
+        let content = content.u32(self.messages.len() as u32).u32(self.attachment_count).u32(0);
+        let content = content.u32(self.chunk_count).u64(first_ns).u64(last_ns).bytes(&counts.0);
+        let mut record = Vec::new();
+        push_record(opcode::STATISTICS, &content.0, &mut record);
+        record
+    }
+}
