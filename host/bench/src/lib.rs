@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
 //! | [`resume`] | files of results that a later command continues |
-//! | [`number`] | numbers with the digits that a reader needs |
+//! | [`number`], [`text_table`] | numbers with the digits that a reader needs; tables of text |
 //! | [`timing`] | the timing of steps, and its report |
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
@@ -28,5 +28,6 @@ pub mod resume;
 pub mod run;
 pub mod scenario;
 pub mod supervisor;
+pub mod text_table;
 pub mod timing;
 pub mod verdict;

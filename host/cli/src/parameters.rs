@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use lashloop::Bench;
 use lashloop_bench::device::Device;
+use lashloop_bench::text_table::aligned;
 use lashloop_bench::verdict::Exit;
 use lashloop_hardware::parameter_set::{
     ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value,
@@ -90,8 +91,7 @@ fn list(session: &Session, in_force: &ParameterSet) {
         let [value, default] = [*value, it.default].map(|value| to_plain_value(it, value));
         [it.name.clone(), value, default, live.to_owned(), it.range(), laws(it.laws)]
     });
-    let header = ["name", "value", "default", "live", "allowed", "laws"].map(str::to_owned);
-    print_table([header].into_iter().chain(rows).collect(), &[1, 2]);
+    print_table(["name", "value", "default", "live", "allowed", "laws"], rows, &[1, 2]);
     let names: Vec<_> = session.laws.iter().map(|law| &*law.name).collect();
     outln!("\nlaws: {}", names.join(", "));
     outln!("");
@@ -99,21 +99,13 @@ fn list(session: &Session, in_force: &ParameterSet) {
         .signals
         .iter()
         .map(|it| [it.signal.name.to_string(), it.signal.unit.to_string(), laws(it.laws)]);
-    let header = ["signal", "unit", "laws"].map(str::to_owned);
-    print_table([header].into_iter().chain(rows).collect(), &[]);
+    print_table(["signal", "unit", "laws"], rows, &[]);
 }
 
-/// Prints rows in columns as wide as their widest cell. Those of `right` are aligned to the right.
-fn print_table<const N: usize>(rows: Vec<[String; N]>, right: &[usize]) {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<_> = (0..N).map(width).collect();
-    for row in &rows {
-        let cells = row.iter().enumerate().map(|(column, cell)| {
-            let width = widths[column];
-            if right.contains(&column) { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
-        });
-        let line = cells.collect::<Vec<_>>().join("  ");
-        outln!("{}", line.trim_end());
+fn print_table<const N: usize>(head: [&str; N], rows: impl Iterator<Item = [String; N]>, right: &[usize]) {
+    let rows: Vec<_> = [head.map(str::to_owned)].into_iter().chain(rows).collect();
+    for line in aligned(&rows, |column| right.contains(&column)) {
+        outln!("{line}");
     }
 }
 

@@ -14,7 +14,7 @@
 //!
 //! [`terminal`] makes the pseudo-terminal that a drive serves. [`usb_adapter`] identifies a USB serial adapter,
 //! [`same_adapter`] compares it after a reconnect, and
-//! [`latency_timer`] shortens the time for which it holds received bytes.
+//! [`latency_timer`] shortens the time for which it holds received bytes. [`spin`] waits busily where that pays.
 //!
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
 //! reads as silence forever.
@@ -34,6 +34,7 @@ pub mod rfc2217;
 pub mod same_adapter;
 pub mod serial;
 pub mod socket;
+pub mod spin;
 pub mod tcp;
 pub mod terminal;
 pub mod uart_model;

@@ -2,7 +2,7 @@
 //!
 //! The terminal driver does the waiting: with `VMIN` 0 and `VTIME` 1 a read returns with the first byte or after a
 //! tenth of a second, so a round trip costs one write and one read and no poll. A nearer deadline is waited for by poll,
-//! which resolves nanoseconds. Writes go through a second, non-blocking description of the same terminal, because a
+//! which resolves nanoseconds. Before a long wait a few reads don't wait at all ([`Spin`]). Writes go through a second, non-blocking description of the same terminal, because a
 //! drive that does not read would block the bench forever.
 
 use std::io;
@@ -16,6 +16,7 @@ use rustix::io::Errno;
 use rustix::termios::{OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr, ttyname};
 
 use super::deadline::{readable_by, remaining, send_all};
+use super::spin::Spin;
 use super::terminal::set_raw;
 use super::{Link, LinkError};
 
@@ -32,6 +33,7 @@ pub struct Pty {
     reader: OwnedFd,
     writer: OwnedFd,
     settings_before: Termios,
+    spin: Spin,
 }
 
 impl Pty {
@@ -51,7 +53,7 @@ impl Pty {
         let writer = rustix::fs::open(path, flags | OFlags::NONBLOCK, Mode::empty())?;
         let settings_before = tcgetattr(&reader)?;
         set_raw(&reader, 0, READ_LIMIT_TENTHS_S)?;
-        Ok(Self { reader, writer, settings_before })
+        Ok(Self { reader, writer, settings_before, spin: Spin::new() })
     }
 
     /// Whether a read of zero bytes was the end of the line rather than a timeout.
@@ -92,6 +94,14 @@ impl Link for Pty {
             let is_near = remaining(deadline).is_none_or(|left| left < READ_LIMIT);
             if is_near && !readable_by(&self.reader, deadline)? {
                 return Ok(0);
+            }
+            if !is_near {
+                let writer = &self.writer;
+                let at_once =
+                    self.spin.first(|| rustix::io::read(writer, &mut *buffer).ok().filter(|it| *it > 0));
+                if let Some(count) = at_once {
+                    return Ok(count);
+                }
             }
             match rustix::io::read(&self.reader, &mut *buffer) {
                 Ok(0) if self.hung_up()? => return Err(LinkError::Disconnected),

@@ -15,6 +15,7 @@ use lashloop_firmware::drive::{Clock, Drive, fault_frame};
 use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::FaultCode;
 
+use lashloop_link::spin::{Spin, is_readable};
 use lashloop_link::terminal::Terminal;
 
 /// Name of the board in the twin's identity.
@@ -110,8 +111,9 @@ impl<L: LawSet> Shared<L> {
 
     /// Reads and answers until the line breaks.
     fn serve_requests(&self, line: &OwnedFd) -> io::Error {
-        let mut buffer = [0; 4096];
+        let (mut buffer, mut spin) = ([0; 4096], Spin::new());
         loop {
+            let _ = spin.first(|| is_readable(line).then_some(()));
             let mut bytes = match rustix::io::read(line, &mut buffer) {
                 Ok(0) => return io::ErrorKind::UnexpectedEof.into(),
                 Ok(count) => &buffer[..count],

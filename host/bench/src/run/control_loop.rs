@@ -191,13 +191,14 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         let Request { number, sample, .. } = request;
         self.answers.note_sent(*number, step);
         let passes = |answer: &TorqueAnswer| self.answers.passes(answer);
-        let asked = Instant::now();
         let exchanged = device.session.exchange_checked(*number, sample, deadline.min(silent_at), passes);
         // Of wall-clock time, for a drive in this process waits in virtual time.
         if let Some(waiting) = &mut self.waiting
             && let Ok(Exchange::Answered(_) | Exchange::Unanswered) = exchanged
         {
-            let spent = waiting.spend(asked.elapsed(), || device.connection.host.busy());
+            let times = device.session.timestamps;
+            let waited = times.decoded.saturating_duration_since(times.asked);
+            let spent = waiting.spend(waited, || device.connection.host.busy());
             spent.map_err(|source| device.explain(source))?;
         }
         match exchanged {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lashloop_bench::text_table::aligned;
 use lashloop_session::printable;
 
 use super::comparison::{Agreement, Comparison, RecordHead};
@@ -263,23 +264,11 @@ fn write_table<const N: usize>(
 ) -> fmt::Result {
     let mut table = vec![heads.map(str::to_owned)];
     table.extend(rows.map(|row| row.map(|cell| printable(&cell))));
-    let widths: [usize; N] =
-        std::array::from_fn(|column| table.iter().map(|row| row[column].chars().count()).max().unwrap_or(0));
     if !title.is_empty() {
         writeln!(out, "{title}")?;
     }
-    for row in &table {
-        let mut line = String::from(" ");
-        for (column, cell) in row.iter().enumerate() {
-            let width = widths[column];
-            line += &if column < left || column == N - 1 {
-                format!(" {cell:<width$}")
-            } else {
-                format!(" {cell:>width$}")
-            };
-            line.push(' ');
-        }
-        writeln!(out, "{}", line.trim_end())?;
+    for line in aligned(&table, |column| column >= left && column < N - 1) {
+        writeln!(out, "  {line}")?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lashloop_bench::text_table::aligned;
 use lashloop_plant::metrics::Metric;
 
 use super::curves::written;
@@ -128,23 +129,9 @@ fn estimators(runs: &Runs) -> Table {
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let first = self.rows.iter().map(|(what, _)| what.chars().count()).max().unwrap_or(0);
-        let width = |column: usize| {
-            let cells = self.rows.iter().filter_map(|(_, cells)| cells.get(column));
-            cells.map(String::len).chain([self.columns[column].len()]).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        writeln!(f, "{}", self.title)?;
-        write!(f, "{:first$}", "")?;
-        for (name, width) in self.columns.iter().zip(&widths) {
-            write!(f, "  {name:>width$}")?;
-        }
-        for (what, cells) in &self.rows {
-            write!(f, "\n{what:first$}")?;
-            for (cell, width) in cells.iter().zip(&widths) {
-                write!(f, "  {cell:>width$}")?;
-            }
-        }
-        Ok(())
+        let head = [""].iter().chain(&self.columns).map(ToString::to_string).collect::<Vec<_>>();
+        let rows = self.rows.iter().map(|(what, cells)| [std::slice::from_ref(what), &cells[..]].concat());
+        let lines = aligned(&[head].into_iter().chain(rows).collect::<Vec<_>>(), |column| column > 0);
+        write!(f, "{}\n{}", self.title, lines.join("\n"))
     }
 }

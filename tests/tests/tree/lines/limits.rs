@@ -15,7 +15,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/decode", 1_050),
     ("host/hardware", 2_100),
     ("host/identify", 2_150),
-    ("host/link", 1_550),
+    ("host/link", 1_600),
     ("host/live", 1_000),
     ("host/plant", 3_750),
     ("host/plot", 950),
