@@ -50,7 +50,7 @@ impl ChildLine {
         for line in [&to_drive, &from_drive] {
             rustix::io::ioctl_fionbio(line, true)?;
         }
-        Ok(Self { to_drive, from_drive, until_first_byte, is_fresh: true, spin: Spin::new() })
+        Ok(Self { to_drive, from_drive, until_first_byte, is_fresh: true, spin: Spin::default() })
     }
 }
 

@@ -53,7 +53,7 @@ impl Pty {
         let writer = rustix::fs::open(path, flags | OFlags::NONBLOCK, Mode::empty())?;
         let settings_before = tcgetattr(&reader)?;
         set_raw(&reader, 0, READ_LIMIT_TENTHS_S)?;
-        Ok(Self { reader, writer, settings_before, spin: Spin::new() })
+        Ok(Self { reader, writer, settings_before, spin: Spin::default() })
     }
 
     /// Whether a read of zero bytes was the end of the line rather than a timeout.

@@ -28,18 +28,13 @@ pub struct Spin {
 }
 
 impl Default for Spin {
+    /// For this machine: a single core is the drive's.
     fn default() -> Self {
-        Self::new()
+        Self::on(thread::available_parallelism().map_or(1, NonZeroUsize::get))
     }
 }
 
 impl Spin {
-    /// For this machine: a single core is the drive's.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::on(thread::available_parallelism().map_or(1, NonZeroUsize::get))
-    }
-
     fn on(cores: usize) -> Self {
         Self { is_useful: cores > 1, skip: 0, next_skip: 1 }
     }

@@ -111,7 +111,7 @@ impl<L: LawSet> Shared<L> {
 
     /// Reads and answers until the line breaks.
     fn serve_requests(&self, line: &OwnedFd) -> io::Error {
-        let (mut buffer, mut spin) = ([0; 4096], Spin::new());
+        let (mut buffer, mut spin) = ([0; 4096], Spin::default());
         loop {
             let _ = spin.first(|| is_readable(line).then_some(()));
             let mut bytes = match rustix::io::read(line, &mut buffer) {
