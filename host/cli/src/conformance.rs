@@ -68,9 +68,13 @@ impl Arguments {
         if let Some(path) = &self.junit {
             let interrupted = supervisor.interrupted().then(|| "interrupted".to_owned());
             let ended_by = ended.as_ref().err().map(ToString::to_string).or(interrupted);
-            let shortfall = ended_by.map(|cause| format!("the run ended early: {cause}"));
-            let cases: Vec<_> = results.iter().map(|result| junit_case(&device, result)).collect();
-            report_files::write_junit(path, "lashloop conformance", &cases, shortfall.as_deref())?;
+            let early = ended_by.map(|cause| Case {
+                reasons: vec![format!("the run ended early: {cause}")],
+                properties: vec![("device", device.clone())],
+                ..Case::new("run", "conformance.run", "the run reaches its last check", Kind::Error)
+            });
+            let cases = results.iter().map(|result| junit_case(&device, result)).chain(early);
+            report_files::write_junit(path, "lashloop conformance", &cases.collect::<Vec<_>>(), None)?;
         }
         if self.json {
             print_json(&results)?;

@@ -169,9 +169,9 @@ pub(crate) fn log_to_standard_error(verbose: u8) {
     let filter = if chosen.is_empty() { level } else { &chosen };
     let filter = EnvFilter::try_new(filter).unwrap_or_else(|error| {
         output::warn(format_args!("RUST_LOG is {chosen:?}, {error}; it has no effect"));
-        EnvFilter::new(level)
+        EnvFilter::new(if verbose == 0 { "off" } else { level })
     });
     let events = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr);
     // A second call changes nothing.
-    let _ = events.with_timer(uptime()).with_target(false).try_init();
+    let _ = events.with_timer(uptime()).with_target(false).log_internal_errors(false).try_init();
 }

@@ -4,7 +4,7 @@
 //! is every library, program and build script of the repository but tests, their specimens and fuzzers. The length of a
 //! file is all its lines.
 //!
-//! Each package has a limit in `lines/limits.rs`, which may only fall: the check fails above a limit and, once code was
+//! Each package has a limit in `lines/limits.rs`: the check fails above a limit and, once code was
 //! removed, while its limit is too far above. It prints the table as it should be.
 
 mod limits;

@@ -122,9 +122,10 @@ impl Process {
             if let Some(reader) = reader {
                 let _ = tokio::time::timeout(STDERR_LIMIT, reader).await;
             }
-            tracing::info!(program = name, process = id, ?status, "ended");
-            *ended.status.lock().unwrap_or_else(PoisonError::into_inner) = status.ok();
+            let status = status.ok();
+            *ended.status.lock().unwrap_or_else(PoisonError::into_inner) = status;
             ended.changed.notify_all();
+            tracing::info!(program = name, process = id, ?status, "ended");
         });
         Ok(Self { name, id, watch: Watch::new(id), author, end, stderr, stdout, kill: Some(kill) })
     }

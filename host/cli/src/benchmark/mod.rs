@@ -120,7 +120,7 @@ impl Arguments {
             live.push(rate(watched::live(&scenario, device, Clock::Lockstep)?));
         }
         let alone = median(loops);
-        goals.push("lockstep: round trips, 1/s", AtLeast(0.9), median(baseline), alone);
+        goals.push("lockstep: round trips, 1/s", AtLeast(0.85), median(baseline), alone);
         // In lockstep one thread does all: the record takes time of the loop, and of no step.
         goals.push("lockstep, recording: round trips, 1/s", NoTarget, alone, median(recorded));
         goals.push("lockstep, live page: round trips, 1/s", NoTarget, alone, median(live));

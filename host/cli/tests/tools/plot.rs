@@ -138,7 +138,7 @@ fn unusable_record_is_named_by_its_file() {
 
     fs::write(one.join("run.mcap"), "no samples").unwrap();
     let error = plot(&[&one]).unwrap_err();
-    assert!(error.contains("run.mcap: isn't an MCAP file"), "{error}");
+    assert!(error.contains("run.mcap: can't be read as MCAP"), "{error}");
 }
 
 #[test]

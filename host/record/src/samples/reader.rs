@@ -10,7 +10,7 @@ use lashloop_plant::Signal;
 use super::columns::{
     DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
 };
-use super::container::{self, ContainerError, Entry, MAGIC, MessageHead};
+use super::container::{self, ContainerError, End, Entry, MAGIC, MessageHead};
 use super::events::{self, RecordedEdge, RecordedText};
 use super::layout::{Field, decode, fields};
 use crate::columns::Columns;
@@ -37,8 +37,8 @@ pub enum SamplesError {
     /// The file can't be read.
     #[error("can't be read: {0}")]
     Read(#[from] io::Error),
-    /// Not MCAP.
-    #[error("isn't an MCAP file: {0}")]
+    /// Not MCAP, or damaged.
+    #[error("can't be read as MCAP: {0}")]
     Mcap(#[from] ContainerError),
     /// A channel of another program.
     #[error("topic {topic} has no schema of Lashloop")]
@@ -62,17 +62,11 @@ impl Samples {
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
         let bytes = fs::read(path)?;
         // A killed run has left no end, and perhaps a part of its last chunk.
-        let has_end = bytes.ends_with(&MAGIC);
-        // The messages of a part of a chunk are left out.
-        let records = if has_end { &bytes } else { container::whole_records(&bytes) };
-        let mut is_torn = records.len() < bytes.len();
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        let mut is_behind_data = false;
-        let result = container::read(records, |entry| {
+        let result = container::read(&bytes, |entry| {
             match entry {
-                _ if is_behind_data => {}
                 Entry::Schema { id, data } => {
                     schemas.insert(id, data.to_owned());
                 }
@@ -94,17 +88,18 @@ impl Samples {
                         _ => {}
                     }
                 }
-                Entry::DataEnd => (is_torn, is_behind_data) = (false, true),
             }
             Ok(())
         });
-        match result {
-            // A full disk or a power failure may leave anything.
-            Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => {
-                is_torn = true;
-            }
-            result => result?,
-        }
+        // A killed run has left no end, and perhaps a part of its last chunk, or anything on a full disk.
+        let has_end = bytes.ends_with(&MAGIC);
+        let is_torn = match result {
+            Ok(End::Data | End::Record) => false,
+            Ok(End::Torn) if has_end => return Err(ContainerError::End.into()),
+            Ok(End::Torn) => true,
+            Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => true,
+            Err(error) => return Err(error),
+        };
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }

@@ -1,44 +1,87 @@
 //! Another reader of MCAP.
 
 use std::fs;
+use std::path::PathBuf;
 
 use lashloop_record::folder::RecordFolder;
+use lashloop_record::samples::Samples;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
 use mcap::{MessageStream, Summary};
+use tempfile::TempDir;
 
 use super::{run_in_process, scenario};
 
-/// 200 steps and 20 telemetries.
-#[test]
-fn another_reader_finds_every_message_attachment_and_count() {
+/// A run of `duration_s` with chunks of `flush_rows` steps; its folder.
+fn recorded(duration_s: &str, flush_rows: &str) -> (TempDir, PathBuf) {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path().join("run");
-    let mut writer =
-        RecordWriter::new(RecordFolder::claim(&path, false).expect("a folder"), RunSource::default());
-    let scenario =
-        scenario("smooth-after.toml", &["run.duration_s=0.2", "record.flush_rows=20", "expect=[]"]);
-    run_in_process(&scenario, vec![&mut writer]).expect("a run");
+    let folder = RecordFolder::claim(&path, false).expect("a folder");
+    let mut writer = RecordWriter::new(folder, RunSource::default());
+    let settings = [duration_s, flush_rows, "expect=[]"];
+    run_in_process(&scenario("smooth-after.toml", &settings), vec![&mut writer]).expect("a run");
     drop(writer);
-    let bytes = fs::read(path.join("run.mcap")).expect("samples");
-    let messages: Vec<_> = MessageStream::new(&bytes)
-        .expect("MCAP")
-        .collect::<Result<_, _>>()
-        .expect("messages with their checksums");
-    let of = |topic: &str| messages.iter().filter(|it| it.channel.topic == topic).count();
-    assert_eq!((of("/step"), of("/drive")), (200, 20));
-    assert!(messages.is_sorted_by_key(|it| it.publish_time));
-    let summary = Summary::read(&bytes).expect("a summary with its checksum").expect("a summary");
-    let counts = summary.stats.expect("counts");
-    assert_eq!(counts.message_count, messages.len() as u64);
-    assert_eq!((counts.chunk_count, counts.schema_count, counts.channel_count), (10, 4, 4));
-    assert_eq!((counts.message_start_time, counts.message_end_time), (0, 199_000_000));
-    let attached = summary.attachment_indexes.iter().map(|index| {
-        let attachment = mcap::read::attachment(&bytes, index).expect("an attachment with its checksum");
-        (attachment.name, attachment.data.len() as u64)
-    });
-    for (name, length) in attached {
-        assert_eq!(fs::metadata(path.join(&name)).expect("the same file").len(), length, "{name}");
+    (parent, path)
+}
+
+#[test]
+fn another_reader_finds_every_message_attachment_and_count() {
+    // Ten chunks of one block, and one of several blocks.
+    for (duration_s, flush_rows, steps, chunks) in [("0.2", "20", 200, 10), ("3", "3000", 3000, 1)] {
+        let (_parent, path) =
+            recorded(&format!("run.duration_s={duration_s}"), &format!("record.flush_rows={flush_rows}"));
+        let bytes = fs::read(path.join("run.mcap")).expect("samples");
+        let messages: Vec<_> = MessageStream::new(&bytes)
+            .expect("MCAP")
+            .collect::<Result<_, _>>()
+            .expect("messages with their checksums");
+        let of = |topic: &str| messages.iter().filter(|it| it.channel.topic == topic).count();
+        assert_eq!((of("/step"), of("/drive")), (steps, steps / 10));
+        assert!(messages.is_sorted_by_key(|it| it.publish_time));
+        let summary = Summary::read(&bytes).expect("a summary with its checksum").expect("a summary");
+        let counts = summary.stats.expect("counts");
+        assert_eq!(counts.message_count, messages.len() as u64);
+        assert_eq!((counts.chunk_count, counts.schema_count, counts.channel_count), (chunks, 4, 4));
+        assert_eq!((counts.message_start_time, counts.message_end_time), (0, (steps as u64 - 1) * 1_000_000));
+        for index in &summary.attachment_indexes {
+            let attachment = mcap::read::attachment(&bytes, index).expect("an attachment with its checksum");
+            let length = fs::metadata(path.join(&attachment.name)).expect("the same file").len();
+            assert_eq!(length, attachment.data.len() as u64, "{}", attachment.name);
+        }
+        assert!(summary.attachment_indexes.iter().any(|it| it.name == "record.json"));
     }
-    assert!(summary.attachment_indexes.iter().any(|it| it.name == "record.json"));
+}
+
+/// Places of the records of a file, with their kinds.
+fn records(bytes: &[u8]) -> Vec<(usize, u8)> {
+    let (mut at, mut found) = (8, Vec::new());
+    while let Some([kind, length @ ..]) = bytes[at..].first_chunk::<9>() {
+        found.push((at, *kind));
+        at += 9 + u64::from_le_bytes(*length) as usize;
+    }
+    found
+}
+
+#[test]
+fn damage_of_a_finished_file_is_an_error_before_the_end_of_its_data_and_nothing_after_it() {
+    let (_parent, path) = recorded("run.duration_s=0.2", "record.flush_rows=20");
+    let file = path.join("run.mcap");
+    let whole = fs::read(&file).expect("samples");
+    let read = |at: usize, bit: u8| {
+        let mut damaged = whole.clone();
+        damaged[at] ^= bit;
+        fs::write(&file, damaged).expect("a file");
+        Samples::read(&file).map(|samples| (samples.trace.len(), samples.is_torn))
+    };
+    let places = records(&whole);
+    let end_of_data = places.iter().find(|(_, kind)| *kind == 0x0f).expect("an end of the data").0;
+    for (at, _) in places.iter().filter(|(at, kind)| *at < end_of_data && *kind == 0x06) {
+        for (byte, bit) in [(at + 4, 1), (at + 1, 1), (at + 200, 0x10)] {
+            let read = read(byte, bit);
+            assert!(read.is_err(), "byte {} of a chunk at {at}: {read:?}", byte - at);
+        }
+    }
+    for (at, _) in places.iter().filter(|(at, _)| *at > end_of_data) {
+        assert_eq!(read(at + 1, 1).ok(), Some((200, false)), "behind the data, at {at}");
+    }
 }

@@ -8,7 +8,7 @@ use std::io;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-pub(super) use read::{Entry, read};
+pub(super) use read::{End, Entry, read};
 pub(super) use write::Writer;
 
 /// At the start and the end of a file.
@@ -19,6 +19,8 @@ const LZ4: &str = "lz4";
 const HEAD: usize = 9;
 
 mod opcode {
+    /// No record has it.
+    pub(super) const NONE: u8 = 0;
     pub(super) const HEADER: u8 = 0x01;
     pub(super) const FOOTER: u8 = 0x02;
     pub(super) const SCHEMA: u8 = 0x03;
@@ -53,6 +55,12 @@ pub enum ContainerError {
     /// A chunk can't be uncompressed.
     #[error("a chunk is damaged: {0}")]
     Lz4(#[from] io::Error),
+    /// A chunk holds more or less than it says.
+    #[error("a chunk is damaged: its length is wrong")]
+    Length,
+    /// The file has an end, and a record before it that reaches beyond.
+    #[error("it is damaged: a record reaches beyond the end of the file")]
+    End,
     /// The checksum of a chunk is another one.
     #[error("a chunk is damaged: its checksum is wrong")]
     Checksum,
@@ -67,15 +75,6 @@ pub(super) struct MessageHead {
     pub(super) log_time: u64,
     /// In ns.
     pub(super) publish_time: u64,
-}
-
-/// The file up to the end of its last whole record.
-pub(super) fn whole_records(file: &[u8]) -> &[u8] {
-    let mut end = MAGIC.len().min(file.len());
-    while let Some((_, _, behind)) = split_record(&file[end..]) {
-        end = file.len() - behind.len();
-    }
-    &file[..end]
 }
 
 /// Opcode and content of the first record, and what is behind it; `None` if it isn't whole.

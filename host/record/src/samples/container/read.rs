@@ -8,47 +8,52 @@ use super::{CRC32, ContainerError, LZ4, MAGIC, MessageHead, opcode, split_record
 
 /// A record of a file, chunks resolved.
 pub(in crate::samples) enum Entry<'a> {
-    Schema {
-        id: u16,
-        data: &'a [u8],
-    },
-    Channel {
-        id: u16,
-        schema: u16,
-        topic: &'a str,
-        metadata: Vec<(&'a str, &'a str)>,
-    },
-    Message {
-        head: MessageHead,
-        data: &'a [u8],
-    },
-    /// What follows repeats schemas and channels.
-    DataEnd,
+    Schema { id: u16, data: &'a [u8] },
+    Channel { id: u16, schema: u16, topic: &'a str, metadata: Vec<(&'a str, &'a str)> },
+    Message { head: MessageHead, data: &'a [u8] },
 }
 
-/// Passes the entries of a file to `take`, up to the first error of either.
+/// How a file ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::samples) enum End {
+    /// By the end of its data. What follows repeats schemas and channels.
+    Data,
+    /// Behind a whole record.
+    Record,
+    /// Within a record.
+    Torn,
+}
+
+/// Passes the entries of the data of a file to `take`, up to the first error of either.
 ///
 /// # Errors
 /// The file is not MCAP or is damaged, or `take` fails.
 pub(in crate::samples) fn read<E: From<ContainerError>>(
     file: &[u8],
     mut take: impl FnMut(Entry<'_>) -> Result<(), E>,
-) -> Result<(), E> {
+) -> Result<End, E> {
     let mut rest = file.strip_prefix(&MAGIC).ok_or(ContainerError::Magic)?;
-    while let Some((opcode, mut content, behind)) = split_record(rest) {
+    while let Some((opcode, content, behind)) = split_record(rest) {
         rest = behind;
-        if opcode == opcode::CHUNK {
-            let chunk = chunk(&mut content)?;
-            let mut inside = &chunk[..];
-            while let Some((opcode, content, behind)) = split_record(inside) {
-                inside = behind;
-                pass(opcode, content, &mut take)?;
+        match opcode {
+            // What a power failure leaves of a page.
+            opcode::NONE => return Ok(End::Torn),
+            opcode::DATA_END => return Ok(End::Data),
+            opcode::CHUNK => {
+                let chunk = chunk(content)?;
+                let mut inside = &chunk[..];
+                while let Some((opcode, content, behind)) = split_record(inside) {
+                    inside = behind;
+                    pass(opcode, content, &mut take)?;
+                }
+                if !inside.is_empty() {
+                    return Err(ContainerError::Length.into());
+                }
             }
-        } else {
-            pass(opcode, content, &mut take)?;
+            opcode => pass(opcode, content, &mut take)?,
         }
     }
-    Ok(())
+    Ok(if rest.is_empty() { End::Record } else { End::Torn })
 }
 
 fn pass<E: From<ContainerError>>(
@@ -93,31 +98,33 @@ fn entry(opcode: u8, mut content: &[u8]) -> Option<Option<Entry<'_>>> {
             };
             Entry::Message { head, data: content }
         }
-        opcode::DATA_END => Entry::DataEnd,
         _ => return Some(None),
     }))
 }
 
 /// The records of a chunk.
-fn chunk(content: &mut &[u8]) -> Result<Vec<u8>, ContainerError> {
+fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
     let fields = |content: &mut &[u8]| {
         let _times = (take_u64(content)?, take_u64(content)?);
-        let (length, crc, compression) =
-            (take_u64(content)?, take_u32(content)?, take_text(content)?.to_owned());
-        let _compressed = take_u64(content)?;
-        Some((length, crc, compression))
+        let (length, crc) = (take_u64(content)?, take_u32(content)?);
+        let (compression, compressed) = (take_text(content)?.to_owned(), take_u64(content)?);
+        let records = content.get(..usize::try_from(compressed).ok()?)?.to_vec();
+        Some((length, crc, compression, records))
     };
-    let (length, crc, compression) =
-        fields(content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
+    let (length, crc, compression, stored) =
+        fields(&mut content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
     let records = match &*compression {
-        "" => content.to_vec(),
+        "" => stored,
         LZ4 => {
             let mut records = Vec::new();
-            FrameDecoder::new(*content).take(length).read_to_end(&mut records)?;
+            FrameDecoder::new(&stored[..]).take(length).read_to_end(&mut records)?;
             records
         }
         _ => return Err(ContainerError::Compression { name: compression }),
     };
+    if records.len() as u64 != length {
+        return Err(ContainerError::Length);
+    }
     if crc != 0 && CRC32.checksum(&records) != crc {
         return Err(ContainerError::Checksum);
     }

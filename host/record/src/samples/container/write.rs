@@ -3,7 +3,7 @@
 use std::io::Write as _;
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
-use lz4_flex::frame::{BlockMode, FrameEncoder, FrameInfo};
+use lz4_flex::frame::{BlockMode, BlockSize, FrameEncoder, FrameInfo};
 
 use super::{CRC32, HEAD, LZ4, MAGIC, MessageHead, opcode};
 
@@ -180,11 +180,10 @@ impl Writer {
     /// The file can't be written. What was written before is kept.
     pub(in crate::samples) fn flush(&mut self) -> Result<(), WriteError> {
         if let Some((first_ns, last_ns)) = self.chunk_ns.take() {
-            let info = FrameInfo::new().block_mode(BlockMode::Linked);
+            let info = FrameInfo::new().block_mode(BlockMode::Linked).block_size(BlockSize::Max256KB);
             let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
-            // Writing to memory does not fail.
-            let _ = encoder.write_all(&self.chunk);
-            let compressed = encoder.finish().unwrap_or_default();
+            encoder.write_all(&self.chunk).expect("writing to memory does not fail");
+            let compressed = encoder.finish().expect("writing to memory does not fail");
             let head = Content::default().u64(first_ns).u64(last_ns).u64(self.chunk.len() as u64);
             let head = head.u32(CRC32.checksum(&self.chunk)).text(LZ4).u64(compressed.len() as u64);
             let Content(mut content) = head;
