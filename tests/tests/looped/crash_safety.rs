@@ -116,7 +116,7 @@ fn a_disk_full_at_the_start_is_named_before_the_run() {
 fn a_summary_that_does_not_fit_leaves_whole_samples() {
     // Manifest, scenario and two steps fit into run.mcap; the summary, of more than 3,072 bytes, does not.
     let records = Records::new();
-    let (code, stderr) = with_files_up_to(32, &records, &["run.duration_s=0.002"]);
+    let (code, stderr) = with_files_up_to(36, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("run.mcap: cannot be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
