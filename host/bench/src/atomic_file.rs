@@ -78,6 +78,7 @@ pub struct GrowingFile {
     file: File,
     /// Bytes of whole chunks in the file.
     written: u64,
+    has_failed: bool,
 }
 
 impl GrowingFile {
@@ -89,15 +90,20 @@ impl GrowingFile {
     pub fn create(path: &Path, prefix: &str, first: &[u8]) -> Result<Self, WriteError> {
         let file = begin(path, prefix, first)?;
         tracing::info!(file = %path.display(), "started");
-        Ok(Self { path: path.to_owned(), file, written: first.len() as u64 })
+        Ok(Self { path: path.to_owned(), file, written: first.len() as u64, has_failed: false })
     }
 
-    /// Appends a chunk.
+    /// Appends a chunk. After a failure no further one is appended: it would follow a gap.
     ///
     /// # Errors
     /// The chunk can't be written. The chunks before it are kept.
     pub fn append(&mut self, chunk: &[u8]) -> Result<(), WriteError> {
-        let result = self.file.write_all(chunk);
+        let result = if self.has_failed {
+            Err(io::Error::other("an earlier chunk could not be written"))
+        } else {
+            self.file.write_all(chunk)
+        };
+        self.has_failed = result.is_err();
         if result.is_ok() {
             self.written += chunk.len() as u64;
         } else {
@@ -105,19 +111,7 @@ impl GrowingFile {
             let _ = self.file.set_len(self.written);
             let _ = self.file.seek(SeekFrom::Start(self.written));
         }
-        result.map_err(|source| self.error(source))
-    }
-
-    /// Fails as a chunk does that can't be written, for this reason.
-    ///
-    /// # Errors
-    /// Always.
-    pub fn fail(&self, reason: &str) -> Result<(), WriteError> {
-        Err(self.error(io::Error::other(reason)))
-    }
-
-    fn error(&self, source: io::Error) -> WriteError {
-        WriteError { path: self.path.clone(), action: "written", source }
+        result.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })
     }
 }
 

@@ -12,7 +12,7 @@ use crate::plan::Case;
 use crate::row::{CaseResult, Columns};
 use crate::shard::Shard;
 use crate::shard_file::{self, Opened, Start};
-use crate::workers::{self, Ended, Stop};
+use crate::workers::{self, Ended, Order, Stop};
 
 /// A shard to run.
 #[derive(Debug)]
@@ -57,9 +57,10 @@ impl ShardRun<'_> {
         let mut rows = restored;
         seen(rows);
         let mut line = Vec::new();
-        let ended = workers::run_in_order(
+        let ended = workers::run_all(
             all - restored,
             jobs,
+            Order::Cases,
             supervisor,
             |row, stop| run_one(shard.case(restored + row), stop),
             |(case, result)| {

@@ -48,64 +48,43 @@ const WINDOW_PER_JOB: u64 = 64;
 /// Time after which a waiting worker looks for a signal of the user.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
 
+/// When results are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// As they arrive.
+    Arrival,
+    /// In the order of cases. A worker waits rather than begin a case far ahead of the oldest unfinished one, so that the
+    /// number of results held back is bounded.
+    Cases,
+}
+
 /// What the workers take cases from.
 #[derive(Default)]
 struct Queue {
     next: u64,
-    /// Cases before this one have been kept.
     kept: u64,
 }
 
 /// Runs the cases 0 to `count` - 1 by `run_one`, which returns `None` if it was stopped, and passes each result to `keep`, on
-/// this thread, as it arrives.
+/// this thread.
 ///
 /// # Errors
 /// A run or `keep` fails; no further run is started.
 pub fn run_all<R: Send, E: Send>(
     count: u64,
     jobs: NonZeroUsize,
+    order: Order,
     supervisor: &Supervisor,
     run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
     mut keep: impl FnMut(R) -> Result<(), E>,
 ) -> Result<Ended, E> {
-    run(count, jobs, supervisor, u64::MAX, run_one, |_, result| keep(result).map(|()| 0))
-}
-
-/// As [`run_all`], with the results in the order of cases. A worker waits rather than begin a case far ahead of the oldest
-/// unfinished one, so that the number of results held back is bounded.
-///
-/// # Errors
-/// As [`run_all`].
-pub fn run_in_order<R: Send, E: Send>(
-    count: u64,
-    jobs: NonZeroUsize,
-    supervisor: &Supervisor,
-    run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
-    mut keep: impl FnMut(R) -> Result<(), E>,
-) -> Result<Ended, E> {
-    let (mut early, mut next) = (BTreeMap::new(), 0);
-    run(count, jobs, supervisor, WINDOW_PER_JOB * jobs.get() as u64, run_one, |case, result| {
-        early.insert(case, result);
-        while let Some(result) = early.remove(&next) {
-            keep(result)?;
-            next += 1;
-        }
-        Ok(next)
-    })
-}
-
-/// `keep` returns the case before which all results have been kept; no case is begun `window` or more ahead of it.
-fn run<R: Send, E: Send>(
-    count: u64,
-    jobs: NonZeroUsize,
-    supervisor: &Supervisor,
-    window: u64,
-    run_one: impl Fn(u64, &Stop<'_>) -> Result<Option<R>, E> + Sync,
-    mut keep: impl FnMut(u64, R) -> Result<u64, E>,
-) -> Result<Ended, E> {
+    let window = match order {
+        Order::Arrival => u64::MAX,
+        Order::Cases => WINDOW_PER_JOB * jobs.get() as u64,
+    };
     let (queue, space) = (Mutex::new(Queue::default()), Condvar::new());
     let stop = Stop::new(supervisor);
-    let mut results_kept = 0;
+    let mut kept_count = 0;
     let kept = thread::scope(|scope| {
         let (results, arrived) = mpsc::channel();
         for _ in 0..jobs.get().min(usize::try_from(count).unwrap_or(usize::MAX)) {
@@ -121,11 +100,18 @@ fn run<R: Send, E: Send>(
             });
         }
         drop(results);
+        let mut early = BTreeMap::new();
         // Ends with the last worker, or at the first error; the channel then closes, which ends the workers.
         let kept = arrived.into_iter().try_for_each(|(case, result)| {
-            let kept = keep(case, result?)?;
-            results_kept += 1;
-            lock(&queue).kept = kept;
+            early.insert(case, result?);
+            while let Some(result) = match order {
+                Order::Arrival => early.pop_first().map(|(_, result)| result),
+                Order::Cases => early.remove(&kept_count),
+            } {
+                keep(result)?;
+                kept_count += 1;
+            }
+            lock(&queue).kept = kept_count;
             space.notify_all();
             Ok(())
         });
@@ -134,7 +120,7 @@ fn run<R: Send, E: Send>(
         kept
     });
     kept?;
-    Ok(if results_kept == count { Ended::Complete } else { Ended::Interrupted })
+    Ok(if kept_count == count { Ended::Complete } else { Ended::Interrupted })
 }
 
 /// Stops the other workers if a run panics: the window would wait for its result forever. The scope then panics too.
@@ -186,9 +172,10 @@ mod tests {
         let window = WINDOW_PER_JOB * 2;
         let begun = AtomicUsize::new(0);
         let mut kept = Vec::new();
-        let ended = run_in_order(
+        let ended = run_all(
             1000,
             jobs,
+            Order::Cases,
             &supervisor,
             |case, stop| {
                 begun.fetch_add(1, Ordering::Relaxed);
@@ -224,7 +211,7 @@ mod tests {
             assert_ne!(case, 5, "a plant that panics");
             Ok::<_, ()>(Some(case))
         };
-        let _ = run_in_order(100_000, jobs, &supervisor, run_one, |_| Ok(()));
+        let _ = run_all(100_000, jobs, Order::Cases, &supervisor, run_one, |_| Ok(()));
     }
 
     #[test]
@@ -237,7 +224,7 @@ mod tests {
             }
             Ok(Some(case))
         };
-        let ended = run_in_order(u64::MAX, jobs, &supervisor, wait, Err);
+        let ended = run_all(u64::MAX, jobs, Order::Cases, &supervisor, wait, Err);
         assert_eq!(ended, Err(0));
     }
 }

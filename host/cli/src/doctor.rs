@@ -14,8 +14,8 @@ use super::supervision::start_supervisor;
 
 /// List the serial ports, or diagnose the line to a drive: open, handshake, round trip
 ///
-/// Without an argument it lists the serial ports with their USB identity and stable names. The drive stays disarmed and produces no torque. Exit code 1 if a property needs a remedy, 4 if no drive completes the
-/// handshake.
+/// Without an argument it lists the serial ports with their USB identity and stable names. The drive stays disarmed and
+/// produces no torque. Exit code 1 if a property needs a remedy, 4 if no drive completes the handshake.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Drive: the path of a terminal such as /dev/ttyACM0 or /dev/pts/3, or any other device of `lashloop run`

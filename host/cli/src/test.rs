@@ -34,7 +34,7 @@ use lashloop_campaign::suite::plan::{self, Common};
 use lashloop_campaign::suite::runner::Runner;
 use lashloop_campaign::suite::table::{Table, line, name_width};
 use lashloop_campaign::suite::tally::{Conclusion, Tally};
-use lashloop_campaign::workers;
+use lashloop_campaign::workers::{self, Order};
 use reports::TestReports;
 
 /// Run every scenario of files and folders, sweeps included, and print one table
@@ -165,6 +165,7 @@ impl Arguments {
         let ended = workers::run_all(
             missing.len() as u64,
             jobs,
+            Order::Arrival,
             &supervisor,
             |case, stop| Ok(runner.run(missing[case as usize], stop)?),
             |result| {

@@ -2,8 +2,8 @@
 //!
 //! The terminal driver does the waiting: with `VMIN` 0 and `VTIME` 1 a read returns with the first byte or after a
 //! tenth of a second, so a round trip costs one write and one read and no poll. A nearer deadline is waited for by poll,
-//! which resolves nanoseconds. Before a long wait a few reads don't wait at all ([`Spin`]). Writes go through a second, non-blocking description of the same terminal, because a
-//! drive that does not read would block the bench forever.
+//! which resolves nanoseconds. Before a long wait a few reads don't wait at all ([`Spin`]). Writes go through a second,
+//! non-blocking description of the same terminal, because a drive that does not read would block the bench forever.
 
 use std::io;
 use std::os::fd::OwnedFd;

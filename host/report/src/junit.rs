@@ -10,7 +10,7 @@ use quick_junit::{NonSuccessKind, Report, SerializeError, TestCase, TestCaseStat
 pub enum Kind {
     Success,
     Failure,
-    /// There is no verdict.
+    /// Without a verdict.
     Error,
     Skipped,
 }

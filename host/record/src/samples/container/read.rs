@@ -104,23 +104,22 @@ fn entry(opcode: u8, mut content: &[u8]) -> Option<Option<Entry<'_>>> {
 
 /// The records of a chunk.
 fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
-    let fields = |content: &mut &[u8]| {
+    fn fields<'a>(content: &mut &'a [u8]) -> Option<(u64, u32, &'a str, &'a [u8])> {
         let _times = (take_u64(content)?, take_u64(content)?);
         let (length, crc) = (take_u64(content)?, take_u32(content)?);
-        let (compression, compressed) = (take_text(content)?.to_owned(), take_u64(content)?);
-        let records = content.get(..usize::try_from(compressed).ok()?)?.to_vec();
-        Some((length, crc, compression, records))
-    };
+        let (compression, compressed) = (take_text(content)?, take_u64(content)?);
+        Some((length, crc, compression, content.get(..usize::try_from(compressed).ok()?)?))
+    }
     let (length, crc, compression, stored) =
         fields(&mut content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
-    let records = match &*compression {
-        "" => stored,
+    let records = match compression {
+        "" => stored.to_vec(),
         LZ4 => {
             let mut records = Vec::new();
-            FrameDecoder::new(&stored[..]).take(length).read_to_end(&mut records)?;
+            FrameDecoder::new(stored).take(length).read_to_end(&mut records)?;
             records
         }
-        _ => return Err(ContainerError::Compression { name: compression }),
+        _ => return Err(ContainerError::Compression { name: compression.to_owned() }),
     };
     if records.len() as u64 != length {
         return Err(ContainerError::Length);

@@ -68,8 +68,6 @@ pub(in crate::samples) struct Writer {
     chunk_count: u32,
     /// First and last time of all messages.
     all_ns: Option<(u64, u64)>,
-    /// After a failure nothing more is written: an end without what precedes it would be wrong.
-    has_failed: bool,
     has_ended: bool,
 }
 
@@ -102,7 +100,6 @@ impl Writer {
             attachment_count: 0,
             chunk_count: 0,
             all_ns: None,
-            has_failed: false,
             has_ended: false,
         }
     }
@@ -196,13 +193,9 @@ impl Writer {
     }
 
     fn write(&mut self) -> Result<(), WriteError> {
-        if self.has_failed {
-            return self.file.fail("an earlier chunk could not be written");
-        }
         let result = self.file.append(&self.pending);
         self.written += self.pending.len() as u64;
         self.pending.clear();
-        self.has_failed = result.is_err();
         result
     }
 
