@@ -161,6 +161,7 @@ fn lock(queue: &Mutex<Queue>) -> MutexGuard<'_, Queue> {
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::AtomicUsize;
+    use std::time::Instant;
 
     use super::*;
 
@@ -200,6 +201,28 @@ mod tests {
         );
         assert_eq!(ended, Ok(Ended::Complete));
         assert_eq!(kept, (0..1000).collect::<Vec<_>>());
+    }
+
+    /// The first case ends only after the others are kept.
+    #[test]
+    fn results_are_kept_as_they_arrive() {
+        let supervisor = Supervisor::without_signals(None).expect("a supervisor");
+        let jobs = NonZeroUsize::new(2).expect("a number");
+        let (kept, give_up) = (Mutex::new(Vec::new()), Instant::now() + Duration::from_secs(20));
+        let count = || kept.lock().unwrap_or_else(PoisonError::into_inner).len();
+        let run_one = |case, _: &Stop<'_>| {
+            while case == 0 && count() < 2 && Instant::now() < give_up {
+                thread::yield_now();
+            }
+            Ok::<_, ()>(Some(case))
+        };
+        let keep = |case| {
+            kept.lock().unwrap_or_else(PoisonError::into_inner).push(case);
+            Ok(())
+        };
+        let ended = run_all(3, jobs, Order::Arrival, &supervisor, run_one, keep);
+        assert_eq!(ended, Ok(Ended::Complete));
+        assert_eq!(kept.into_inner().unwrap_or_else(PoisonError::into_inner), [1, 2, 0]);
     }
 
     #[test]
