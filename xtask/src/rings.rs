@@ -29,6 +29,8 @@ pub(crate) struct Selection {
 pub(crate) enum Ring {
     /// Tests without the `lashloop` program, pseudo-terminals between processes, or emulator
     Unit,
+    /// Tests like those of the unit ring, which take long: random plants, mutants of the drive, damaged frames by the million
+    Long,
     /// Tests of the `lashloop` program and of drives on pseudo-terminals
     Loop,
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
@@ -62,6 +64,11 @@ fn ring_of(program: &str) -> Option<Ring> {
         "tests tree" => None,
         "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
         | "host/cli tools" => Some(Ring::Loop),
+        "host/hardware identified"
+        | "host/identify identify"
+        | "tests mutants"
+        | "tests reference"
+        | "tests robustness" => Some(Ring::Long),
         "tests emulated" => Some(Ring::Image),
         test_programs::USB => Some(Ring::Usb),
         test_programs::CLUSTER => Some(Ring::Cluster),
@@ -87,7 +94,7 @@ impl Ring {
         };
         match self {
             // Drives run in one process with these tests.
-            Self::Unit => conditions(2, 5, false),
+            Self::Unit | Self::Long => conditions(2, 5, false),
             // A test and its drive take turns: with more of them, answers wait for cores until they count as lost.
             Self::Loop => conditions(2, 10, true),
             // One after the other: bench and drive take turns on the cores.
@@ -145,7 +152,7 @@ impl Selection {
             Ring::Loop if self.timing != Some(Timing::Timed) => {
                 counts.step("static program", || dist::make(dist::Profile::Dev));
             }
-            Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
+            Ring::Long | Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
         }
         let mut programs = Vec::new();
         counts.step("test programs", || {

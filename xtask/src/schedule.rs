@@ -32,7 +32,7 @@ const IN_BACKGROUND: &str = "test python --timing untimed";
 
 /// Need no answer in time: they yield to emulators and to drives in other processes, whose clocks lag behind on a busy machine.
 /// So does every compiler.
-const COMPUTING: [&str; 4] = ["check", "test unit", FUZZ, "test chip"];
+const COMPUTING: [&str; 5] = ["check", "test unit", "test long", FUZZ, "test chip"];
 /// Cargo starts compilers by the program that this variable names.
 const COMPILER_WRAPPER: &str = "RUSTC_WRAPPER";
 
@@ -51,6 +51,7 @@ pub(crate) const STAGES: [&[Queue]; 2] = [
                 SETUP,
                 "test unit",
                 "test silicon",
+                "test long",
                 FUZZ,
                 "test loop --timing untimed",
                 "test chip",

@@ -5,7 +5,7 @@ use std::fmt;
 use lashloop::execution::{Execution, ExecutionError};
 use lashloop_bench::device::{DeviceChoice, DeviceError};
 use lashloop_bench::run::digest::TorqueDigest;
-use lashloop_bench::run::{End, Outcome, RunError};
+use lashloop_bench::run::{Clock, End, Outcome, RunError};
 use lashloop_bench::verdict::Verdict;
 
 use crate::campaign::Campaign;
@@ -40,7 +40,7 @@ pub fn run_case(
     };
     let attempt = |scenario| {
         let mut watcher = stop;
-        let execution = Execution::new(scenario, device.into()).watch(&mut watcher);
+        let execution = Execution::new(scenario, device.into()).clock(Clock::Untimed).watch(&mut watcher);
         execution.run(stop.supervisor).map(|made| made.outcome)
     };
     let mut outcome = attempt(scenario);

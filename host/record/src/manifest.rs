@@ -253,7 +253,7 @@ impl Manifest {
             mode: scenario.run.mode,
             clock: clock.name(),
             real_time: match clock {
-                Clock::Lockstep | Clock::Scripted => None,
+                Clock::Lockstep | Clock::Untimed | Clock::Scripted => None,
                 Clock::RealTime(options) => Some(options.into()),
             },
             period_us: scenario.run.control_period_us,

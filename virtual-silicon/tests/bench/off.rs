@@ -18,6 +18,9 @@ const PERIODS: [Duration; 2] = [Duration::from_micros(1_000), Duration::from_mic
 /// Instants after a tick at which a cause comes, as fractions of the period. The first is in the step; the worst counts.
 const PHASES: [f64; 5] = [0.01, 0.17, 0.39, 0.61, 0.93];
 
+/// An interrupt of the line takes 48 instructions.
+const INTERRUPT_US: f64 = 0.3;
+
 /// The longest times of a cause, at each of [`PERIODS`].
 fn worst(cause: &Cause) -> Vec<Duration> {
     let instants =
@@ -69,7 +72,8 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with the row of a cause. Another build of the image shifts its steps: a tenth of the limit is tolerated.
+/// What is wrong with the row of a cause. Another build of the image shifts its steps, so a tenth of the limit is tolerated, and an
+/// interrupt of the line, which may come between cause and handler or not.
 fn compare_with_docs(cause: &Cause, measured: &[Duration]) -> Vec<String> {
     let cells = docs::row(cause.name);
     let [from, by, within, figures @ ..] = &cells[..] else { return vec![format!("{cells:?}")] };
@@ -82,7 +86,7 @@ fn compare_with_docs(cause: &Cause, measured: &[Duration]) -> Vec<String> {
         assert_eq!(docs::time(within, *period), limit, "{}: within {within}", cause.name);
         let what = format!("{} at {} us, in us", cause.name, micros(*period));
         let documented = docs::time(figure, *period);
-        wrong.extend(docs::off(&what, micros(documented), micros(*measured), 0.1 * micros(limit)));
+        wrong.extend(docs::off(&what, micros(documented), micros(*measured), 0.1 * micros(limit) + INTERRUPT_US));
     }
     wrong
 }

@@ -34,6 +34,7 @@ pub(super) struct ControlLoop<'a, S> {
     pub(super) sink: S,
     pub(super) timeline: Timeline,
     clock: ClockName,
+    is_timed: bool,
     phase: Phase,
     answers: AnswerCheck,
     torque: HeldTorque,
@@ -52,6 +53,8 @@ pub(super) struct ControlLoop<'a, S> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopSettings {
     pub(super) clock: ClockName,
+    /// Whether the steps have times.
+    pub(super) is_timed: bool,
     /// The drive's watchdog in real time; `None` in lockstep.
     pub(super) watchdog: Option<Duration>,
     /// Signals of the plant in the record.
@@ -87,7 +90,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         settings: LoopSettings,
         sink: S,
     ) -> Self {
-        let LoopSettings { clock, watchdog, drive_signals, torque_limit_nm, .. } = settings;
+        let LoopSettings { clock, is_timed, watchdog, drive_signals, torque_limit_nm, .. } = settings;
         let period = Duration::from_micros(scenario.run.control_period_us.into());
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
         Self {
@@ -96,6 +99,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             sink,
             timeline,
             clock,
+            is_timed,
             phase: Phase::Started,
             answers: AnswerCheck::new(torque_limit_nm, may_duplicate_samples(scenario)),
             torque: HeldTorque::new(period, watchdog),
@@ -234,7 +238,8 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
         self.torque.torque_nm = answer.torque_nm;
         // Of a retransmitted sample it is unknown which copy was answered.
-        let round_trip = (!request.is_retransmission).then(|| RoundTrip::new(&timestamps, answer));
+        let has_times = self.is_timed && !request.is_retransmission;
+        let round_trip = has_times.then(|| RoundTrip::new(&timestamps, answer));
         ControlFlow::Continue((StepOutcome::Answered, round_trip))
     }
 

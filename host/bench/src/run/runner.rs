@@ -51,8 +51,10 @@ fn observed(
     let DeviceUnderTest { device, link_faults } = under_test;
     let (source, plant_signals) = source(scenario, device, clock)?;
     let timeline = Timeline::new(scenario, device, link_faults.clone())?;
+    let is_timed = clock != Clock::Untimed || !device.connection.host.is_in_process();
     device.session.line.set_time_base(match clock {
-        Clock::Lockstep => TimeBase::Virtual,
+        Clock::Untimed if !is_timed => TimeBase::Scripted,
+        Clock::Lockstep | Clock::Untimed => TimeBase::Virtual,
         Clock::RealTime(_) => TimeBase::WallClock,
         Clock::Scripted => TimeBase::Scripted,
     });
@@ -61,7 +63,7 @@ fn observed(
     let measured = measured_signals(scenario.run.mode, &signals);
     scenario.check_expectations(&measured)?;
     let watchdog = match clock {
-        Clock::Lockstep => None,
+        Clock::Lockstep | Clock::Untimed => None,
         Clock::RealTime(_) | Clock::Scripted => Some(setup::watchdog(device)?),
     };
     let torque_limit_nm = setup::torque_limit_nm(device)?;
@@ -69,6 +71,7 @@ fn observed(
     let before = device.session.traffic();
     let settings = LoopSettings {
         clock: clock.name(),
+        is_timed,
         watchdog,
         plant_signals: signals.plant.len(),
         drive_signals: signals.drive.len(),
@@ -77,7 +80,7 @@ fn observed(
     };
     let mut recorder = StepRecorder::new(scenario, &measured, clock.name(), observer);
     let (closed, refused) = match clock {
-        Clock::Lockstep | Clock::Scripted => {
+        Clock::Lockstep | Clock::Untimed | Clock::Scripted => {
             let control = RunLoop::new(scenario, source, timeline, settings, &mut recorder);
             let closed = run_to_end(control, device, scenario.run.mode, |control, device| match clock {
                 Clock::Scripted => real_time::close(control, scenario, device, Pace::Link),

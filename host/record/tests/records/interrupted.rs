@@ -82,7 +82,7 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
     let parent = tempfile::tempdir().expect("a folder");
     let path = parent.path().join("run");
     let folder = RecordFolder::claim(&path, false).expect("a folder");
-    let settings = ["run.duration_s=0.2", "record.flush_rows=20", "expect=[]"];
+    let settings = ["run.duration_s=0.1", "record.flush_rows=20", "expect=[]"];
     let scenario = scenario("smooth-after.toml", &settings);
     let (mut memory, mut writer) = (Columns::default(), RecordWriter::new(folder, RunSource::default()));
     run_in_process(&scenario, vec![&mut memory, &mut writer]).expect("a run");
