@@ -30,6 +30,13 @@ pub enum CampaignError {
     Write(#[from] WriteError),
     #[error(transparent)]
     Resume(#[from] ResumeError),
+    #[error("{}:{line}: {problem}; choose another folder with --out, or remove the line", path.display())]
+    Journal {
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        problem: String,
+    },
     #[error("{}: holds no shard of a campaign; name the folder of `campaign run --out`", folder.display())]
     NoShards { folder: PathBuf },
     #[error(

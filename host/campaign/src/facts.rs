@@ -1,11 +1,13 @@
 //! What the shards of a campaign must have in common, and what runs a case again: `shard-K-of-N.json`, `campaign.json`.
 
+use std::fs;
+use std::io::{self, ErrorKind, Write as _};
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{WriteError, write_whole};
+use lashloop_bench::run::digest;
 use lashloop_plant::Plants;
 use serde::{Deserialize, Serialize};
-use std::io::{ErrorKind, Write as _};
 
 use crate::campaign::{Campaign, Selection, Source};
 use crate::error::{CampaignError, io_error};
@@ -33,6 +35,24 @@ pub struct Facts {
     /// SHA-256 of the complete table of a shard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table_sha256: Option<String>,
+}
+
+/// The first fact that differs, in lists of the same facts: its name, and its value in each.
+#[must_use]
+pub(crate) fn first_difference(
+    there: Vec<(&'static str, String)>,
+    here: Vec<(&'static str, String)>,
+) -> Option<(&'static str, String, String)> {
+    let pairs = there.into_iter().zip(here);
+    pairs.map(|((what, there), (_, here))| (what, there, here)).find(|(_, there, here)| there != here)
+}
+
+/// SHA-256 of this program's file. Plant and drive are part of it, so another build may give other results.
+///
+/// # Errors
+/// The file can't be read.
+pub fn program_sha256() -> io::Result<String> {
+    std::env::current_exe().and_then(fs::read).map(|bytes| digest::sha256(&bytes))
 }
 
 /// What the facts of a campaign can't be taken from.
@@ -73,7 +93,7 @@ impl Facts {
     /// # Errors
     /// The file can't be read, or is not of this format.
     pub fn read(path: &Path) -> Result<Self, CampaignError> {
-        let text = std::fs::read(path).map_err(|source| match source.kind() {
+        let text = fs::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => CampaignError::NoFacts { path: path.to_owned() },
             _ => io_error(path, "read")(source),
         })?;
@@ -97,8 +117,7 @@ impl Facts {
     /// The first fact that differs: its name, its value in `self`, and that in `other`.
     #[must_use]
     pub fn difference(&self, other: &Self) -> Option<(&'static str, String, String)> {
-        let pairs = self.list().into_iter().zip(other.list());
-        pairs.map(|((what, there), (_, here))| (what, there, here)).find(|(_, there, here)| there != here)
+        first_difference(self.list(), other.list())
     }
 
     /// Names and values, with hashes instead of texts.

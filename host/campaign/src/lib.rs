@@ -17,6 +17,7 @@
 //! | [`workers`] | runs in parallel |
 //! | [`run`] | one case on a drive |
 //! | [`shard`], [`facts`], [`shard_file`] | shards, what they must have in common, and their files |
+//! | `results_file` | results that grow by whole lines, of a shard or a suite |
 //! | [`engine`] | the runs of a shard, and its rows in the order of cases |
 //! | [`merge`] | shards to one table |
 //! | [`quantile`], [`interval`] | quantiles by nearest rank; confidence intervals |
@@ -31,7 +32,6 @@
 //! | module | is |
 //! |---|---|
 //! | [`suite`] | `lashloop test`: folders of scenarios and sweeps, baselines, reports |
-//! | [`journal`] | results of many runs line by line |
 //! | [`soak`] | a scenario repeated under rising faults |
 //! | [`cluster`] | shards of a campaign as jobs of a cluster |
 //! | [`budget`] | the time budget of a control period on a serial line |
@@ -53,7 +53,6 @@ pub mod failures;
 pub mod file;
 mod grid_axis;
 pub mod interval;
-pub mod journal;
 pub mod limit;
 pub mod map;
 pub mod merge;
@@ -62,6 +61,7 @@ pub mod parquet;
 pub mod plan;
 pub mod quantile;
 pub mod report;
+mod results_file;
 pub mod row;
 pub mod run;
 pub mod settings;

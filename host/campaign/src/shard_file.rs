@@ -4,17 +4,18 @@
 //! number is the number of finished cases.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, BufReader, ErrorKind, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::remove_if_present;
-use lashloop_bench::resume::{self, ResumeError};
+use lashloop_bench::resume::ResumeError;
 use lashloop_bench::run::digest::hexadecimal;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{CampaignError, io_error};
 use crate::facts::Facts;
+use crate::results_file::ResultsFile;
 use crate::row::{case_of, count_fields};
 use crate::shard::Shard;
 
@@ -24,12 +25,11 @@ const LONGEST_HEADER: u64 = 1 << 20;
 /// The table of a shard, locked for this process.
 #[derive(Debug)]
 pub struct ShardFile {
-    path: PathBuf,
+    file: ResultsFile,
     complete: PathBuf,
     facts: Facts,
     facts_file: PathBuf,
-    file: File,
-    whole: Whole,
+    hash: Sha256,
 }
 
 /// The whole lines of a table.
@@ -90,14 +90,14 @@ pub fn open(
         );
     }
     // First, because another program may begin or complete the shard between a look at the files and the lock.
-    let mut file = open_locked(&path)?;
+    let mut file = ResultsFile::open(&path)?;
     let is_complete = complete.exists();
     if is_complete {
         // The locked file is a new one, or the complete table under its former name.
         remove_if_present(&path)?;
     }
     // The facts are on the disk before the header. A table without it has no row.
-    let is_begun = is_complete || has_line(&file).map_err(io_error(&path, "read"))?;
+    let is_begun = is_complete || has_line(&file.file).map_err(io_error(&path, "read"))?;
     if is_begun && start == Start::New {
         return Err(ResumeError::Exists { path: if is_complete { complete } else { path } }.into());
     }
@@ -110,16 +110,15 @@ pub fn open(
     if !is_begun {
         facts.write(&facts_file)?;
     }
-    let mut whole = whole_lines(&file, header, shard).map_err(io_error(&path, "read"))?;
-    file.set_len(whole.bytes).map_err(io_error(&path, "written"))?;
-    file.seek(SeekFrom::Start(whole.bytes)).map_err(io_error(&path, "written"))?;
-    if whole.bytes == 0 {
-        file.write_all(header).map_err(io_error(&path, "written"))?;
-        whole.add(header);
-    }
-    let rows = whole.rows;
+    let Whole { rows, bytes, hash } =
+        whole_lines(&file.file, header, shard).map_err(io_error(&path, "read"))?;
+    file.cut(bytes)?;
     let facts = facts.clone();
-    Ok(Opened::Growing(Box::new(ShardFile { path, complete, facts, facts_file, file, whole }), rows))
+    let mut table = ShardFile { file, complete, facts, facts_file, hash };
+    if bytes == 0 {
+        table.append(header)?;
+    }
+    Ok(Opened::Growing(Box::new(table), rows))
 }
 
 /// The shards of which a folder has files.
@@ -135,30 +134,15 @@ pub fn shards_in(folder: &Path) -> Result<BTreeSet<Shard>, CampaignError> {
     Ok(found)
 }
 
-impl Whole {
-    fn add(&mut self, line: &[u8]) {
-        self.bytes += line.len() as u64;
-        self.hash.update(line);
-    }
-}
-
 impl ShardFile {
     /// Appends a row.
     ///
     /// # Errors
     /// The write fails; the rows before it stay intact.
     pub fn append(&mut self, line: &[u8]) -> Result<(), CampaignError> {
-        match self.file.write_all(line) {
-            Ok(()) => {
-                self.whole.add(line);
-                Ok(())
-            }
-            Err(source) => {
-                // A full disk may have taken part of the line. If the cut fails too, the first error suffices: resuming cuts.
-                let _ = self.file.set_len(self.whole.bytes);
-                Err(io_error(&self.path, "written")(source))
-            }
-        }
+        self.file.append(line)?;
+        self.hash.update(line);
+        Ok(())
     }
 
     /// Gives the table its name, after its bytes and their SHA-256 are on the disk.
@@ -166,23 +150,15 @@ impl ShardFile {
     /// # Errors
     /// The file can't be synchronised or renamed, or its facts can't be written.
     pub fn finish(mut self) -> Result<(), CampaignError> {
-        self.facts.table_sha256 = Some(hexadecimal(self.whole.hash));
+        self.facts.table_sha256 = Some(hexadecimal(self.hash));
         self.facts.write(&self.facts_file)?;
-        self.file.sync_all().map_err(io_error(&self.path, "written"))?;
-        fs::rename(&self.path, &self.complete).map_err(io_error(&self.complete, "written"))?;
+        let ResultsFile { path, file, .. } = &self.file;
+        file.sync_all().map_err(io_error(path, "written"))?;
+        fs::rename(path, &self.complete).map_err(io_error(&self.complete, "written"))?;
         let folder = self.complete.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new("."));
         File::open(folder).and_then(|folder| folder.sync_all()).map_err(io_error(folder, "written"))
     }
-}
-
-fn open_locked(path: &Path) -> Result<File, CampaignError> {
-    let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
-    let file = file.map_err(io_error(path, "opened"))?;
-    if !resume::lock(&file).map_err(io_error(path, "locked"))? {
-        return Err(ResumeError::InUse { path: path.to_owned() }.into());
-    }
-    Ok(file)
 }
 
 /// Whether a table has a whole line.
@@ -211,6 +187,7 @@ fn whole_lines(file: &File, header: &[u8], shard: Shard) -> io::Result<Whole> {
             return Ok(whole);
         }
         whole.rows += u64::from(!is_header);
-        whole.add(&line);
+        whole.bytes += line.len() as u64;
+        whole.hash.update(&line);
     }
 }

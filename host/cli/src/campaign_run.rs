@@ -14,7 +14,7 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_campaign::Campaign;
 use lashloop_campaign::engine::{Progress as Done, ShardRun};
 use lashloop_campaign::evidence::{self, Pick, Repeater};
-use lashloop_campaign::facts::{Facts, Program};
+use lashloop_campaign::facts::{Facts, Program, program_sha256};
 use lashloop_campaign::merge::{self, MergeLock, RESULTS};
 use lashloop_campaign::report::Report;
 use lashloop_campaign::run::run_case;
@@ -30,7 +30,6 @@ use super::campaign_report;
 use super::error::{CliError, system};
 use super::output::{complain, error_line, prepare_folder, write_file};
 use super::progress::Progress;
-use lashloop_campaign::journal::program_sha256;
 
 pub(super) const REPORT_JSON: &str = "report.json";
 pub(super) const REPORT_TEXT: &str = "report.txt";

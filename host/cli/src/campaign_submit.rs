@@ -9,7 +9,7 @@ use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::CampaignError;
-use lashloop_campaign::facts::{Facts, Program};
+use lashloop_campaign::facts::{Facts, Program, program_sha256};
 use lashloop_campaign::shard::{MAX_SHARDS, Shard};
 use lashloop_campaign::shard_file::facts_path;
 
@@ -24,7 +24,6 @@ use lashloop_campaign::cluster::progress::Progress;
 use lashloop_campaign::cluster::scripts::{MERGE, SHARDS, Scripts};
 use lashloop_campaign::cluster::slurm::{self, ranges};
 use lashloop_campaign::cluster::submission::{FOLDER, Lock, Plan, Subject, Submission, check_shards};
-use lashloop_campaign::journal::program_sha256;
 
 #[derive(Args)]
 pub(super) struct Submit {

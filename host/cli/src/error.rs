@@ -17,7 +17,6 @@ use lashloop_bench::verdict::Exit;
 use lashloop_campaign::CampaignError;
 use lashloop_campaign::budget::line_map::MapError;
 use lashloop_campaign::cluster::error::ClusterError;
-use lashloop_campaign::journal::JournalError;
 use lashloop_campaign::suite::baseline::BaselineError;
 use lashloop_campaign::suite::files::FilesError;
 use lashloop_hardware::commission::MotionError;
@@ -66,8 +65,6 @@ pub(crate) enum CliError {
     Files(#[from] FilesError),
     #[error(transparent)]
     Baseline(#[from] BaselineError),
-    #[error(transparent)]
-    Journal(#[from] JournalError),
     #[error("{} holds the results of an earlier `lashloop test`: --resume to complete it, --force to replace it", folder.display())]
     Leftovers { folder: PathBuf },
     #[error(transparent)]
@@ -140,7 +137,6 @@ impl CliError {
             | Self::Jobs { .. }
             | Self::Files(_)
             | Self::Baseline(_)
-            | Self::Journal(_)
             | Self::Leftovers { .. }
             | Self::Campaign(_)
             | Self::Cluster(_)

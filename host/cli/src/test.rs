@@ -25,11 +25,12 @@ use super::output::{error_line, outln, prepare_folder, print_json};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop_campaign::journal::{Journal, JournalError, program_sha256};
+use lashloop_campaign::CampaignError;
+use lashloop_campaign::facts::program_sha256;
 use lashloop_campaign::suite::baseline::{Baseline, path_of};
 use lashloop_campaign::suite::case_result::Status;
 use lashloop_campaign::suite::files::find;
-use lashloop_campaign::suite::header::Header;
+use lashloop_campaign::suite::journal::{Header, Journal};
 use lashloop_campaign::suite::plan::{self, Common};
 use lashloop_campaign::suite::runner::Runner;
 use lashloop_campaign::suite::table::{Table, line, name_width};
@@ -117,7 +118,7 @@ impl Arguments {
         let ended = files.map_err(CliError::from).and_then(|files| self.run_suite(&files, &reports, bench));
         ended.inspect_err(|error| match error {
             // The results of the earlier suite stay, and with them its reports.
-            CliError::Leftovers { .. } | CliError::Journal(JournalError::Resume(_)) => {}
+            CliError::Leftovers { .. } | CliError::Campaign(CampaignError::Resume(_)) => {}
             error => reports.fail(error),
         })
     }
@@ -233,10 +234,7 @@ impl Arguments {
             clock: clock.to_string(),
         };
         if self.resume {
-            return Ok(Journal::resume(&path, &header, |result| {
-                tally.restore(result);
-                Ok(())
-            })?);
+            return Ok(Journal::resume(&path, &header, |result| tally.restore(result))?);
         }
         if self.force {
             let journal = Journal::replace(&path, &header)?;
@@ -248,7 +246,7 @@ impl Arguments {
             };
         }
         Journal::create(&path, &header).map_err(|error| match error {
-            JournalError::Resume(ResumeError::Exists { .. }) => {
+            CampaignError::Resume(ResumeError::Exists { .. }) => {
                 CliError::Leftovers { folder: folder.to_owned() }
             }
             other => other.into(),

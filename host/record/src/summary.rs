@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::{Device, Evidence};
-use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::fault::timeline::FaultRecord;
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::timing::TimingReport;

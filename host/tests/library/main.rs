@@ -3,6 +3,7 @@
 mod line;
 mod loop_in_c;
 mod replayed;
+mod untimed;
 
 use std::thread;
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use lashloop_link::Link;
 
@@ -9,7 +10,6 @@ use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::DriveFiles;
 use super::pin_plant::PinPlant;
-use super::session_number::session_number;
 use crate::supervisor::Supervisor;
 use crate::timing::ClockName;
 
@@ -73,6 +73,13 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
         let _ = supervisor;
         DriveFiles::default()
     }
+}
+
+/// A session number that no earlier session on this machine had, up to chance.
+#[must_use]
+pub fn session_number() -> u32 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
 }
 
 /// An open link to a drive that has received nothing yet.

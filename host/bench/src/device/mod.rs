@@ -8,7 +8,6 @@
 //! | `kind` | [`DeviceKind`]: one way to reach a drive |
 //! | [`kinds`] | all of them, each in a file of its own |
 //! | `pin_plant` | [`PinPlant`]: the plant behind the pins of a drive in bench mode |
-//! | `session_number` | numbers of sessions |
 //! | `own_time` | the time of a program that the bench started |
 //! | `slow_time` | the time of a device that is emulated in lockstep |
 //! | `in_process_bench` | the drive in this process with encoders, a power stage and a plant |
@@ -32,7 +31,6 @@ mod kind;
 pub mod kinds;
 mod own_time;
 mod pin_plant;
-mod session_number;
 mod slow_time;
 pub mod twin;
 mod uart_socket;
@@ -45,7 +43,6 @@ pub use error::DeviceError;
 pub use evidence::{Build, DriveFiles, Evidence, FileHash};
 pub use handle::Device;
 pub use image::{find as find_image, find_for_board as find_image_for_board};
-pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
+pub use kind::{DeviceKind, Opened, ParsedKind, Syntax, session_number};
 pub use kinds::terminal::open_terminal;
 pub use pin_plant::PinPlant;
-pub use session_number::session_number;

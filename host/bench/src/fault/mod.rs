@@ -9,13 +9,11 @@
 //! | [`plant`] | gap, shaft and load |
 //! | [`link`] | frames and connection, as a middleware of the link |
 //! | [`timeline`] | the drive itself; also keeps the log |
-//! | [`log`] | what was injected, and when |
 //!
 //! Random faults draw from the run's seed, each from a stream of its own, so that a run repeats.
 
 pub mod encoder;
 pub mod link;
-pub mod log;
 pub mod motor;
 pub mod plant;
 mod random;

@@ -1,14 +1,15 @@
 //! The timeline of a run: begin and end of each fault, and the faults that strike the drive itself.
 
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use super::link::LinkFaults;
-use super::log::FaultRecord;
 use super::schedule::Schedule;
 use crate::device::Device;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{DeviceFault, FaultDuration, FaultKind, InjectedFault};
 use lashloop_session::SessionError;
+use serde::{Deserialize, Serialize};
 
 /// A fault that can't be injected on this device.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,6 +21,19 @@ pub struct UnsupportedFault {
     pub at_s: f64,
     /// Why, and what to do.
     pub reason: &'static str,
+}
+
+/// A fault that was injected.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FaultRecord {
+    /// Name of its kind.
+    pub kind: Cow<'static, str>,
+    /// The step in which it began.
+    pub step: u32,
+    /// The first step after it; `None` if it lasted to the end. A cut and a hang last in the link's time.
+    pub until_step: Option<u32>,
+    /// Frames hit, by a fault of the link.
+    pub frames: Option<u64>,
 }
 
 /// The timeline of a run.

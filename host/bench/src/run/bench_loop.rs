@@ -144,11 +144,13 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     /// Passes the last step on, with the drive's latest signals.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
-        let Some(mut step) = self.unfinished.take() else { return Ok(()) };
+        let Some(step) = &mut self.unfinished else { return Ok(()) };
         if let Some(telemetry) = device.session.line.telemetry {
             step.drive.take(&telemetry, 0, self.scenario.run.control_period_s(), device)?;
         }
-        self.sink.take(step)
+        let taken = self.sink.take(step);
+        self.unfinished = None;
+        taken
     }
 
     /// The next report, with the time of its arrival.

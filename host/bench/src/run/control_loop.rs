@@ -171,11 +171,13 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
 
     /// Passes the last step on, with the drive's latest signals.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
-        let Some(mut step) = self.unfinished.take() else { return Ok(()) };
+        let Some(step) = &mut self.unfinished else { return Ok(()) };
         if let Some((telemetry, origin)) = device.session.line.telemetry.zip(self.phase.origin()) {
             step.drive.take(&telemetry, origin, self.scenario.run.control_period_s(), device)?;
         }
-        self.sink.take(step)
+        let taken = self.sink.take(step);
+        self.unfinished = None;
+        taken
     }
 
     fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {

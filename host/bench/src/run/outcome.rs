@@ -5,7 +5,7 @@ use std::fmt;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::FaultReport;
 
-use crate::fault::log::FaultRecord;
+use crate::fault::timeline::FaultRecord;
 use crate::timing::TimingReport;
 use crate::verdict::{BrokenRule, Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;

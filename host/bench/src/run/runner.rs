@@ -17,7 +17,7 @@ use super::step_recorder::StepRecorder;
 use super::step_sink::{RunStart, StepObserver, StepSink};
 use super::{lockstep, setup};
 use crate::device::Device;
-use crate::fault::log::FaultRecord;
+use crate::fault::timeline::FaultRecord;
 use crate::fault::timeline::Timeline;
 use crate::scenario::{RunMode, Scenario};
 use crate::timing::ClockName;

@@ -4,9 +4,8 @@ use lashloop_plant::metrics::{Measurement, Metrics, Plan, SignalTable};
 
 use super::digest::TorqueDigest;
 use super::error::RunError;
-use super::event::Event;
 use super::step::Step;
-use super::step_sink::{StepObserver, StepSink};
+use super::step_sink::{Event, StepObserver, StepSink};
 use crate::scenario::expectation::Expectation;
 use crate::scenario::{RunMode, Scenario};
 use crate::timing::{ClockName, Timings};
@@ -55,11 +54,11 @@ impl<'a> StepRecorder<'a> {
 }
 
 impl StepSink for &mut StepRecorder<'_> {
-    fn take(&mut self, step: Step) -> Result<(), RunError> {
+    fn take(&mut self, step: &Step) -> Result<(), RunError> {
         self.digest.push(step.row.torque_nm as f32);
         self.timings.push(&step.timing);
         self.measurement.push(&step.measured(self.mode));
-        Ok(self.observer.step(&step)?)
+        Ok(self.observer.step(step)?)
     }
 
     fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {

@@ -4,11 +4,12 @@ use lashloop_plant::metrics::SignalTable;
 
 use super::clock::Clock;
 use super::error::RunError;
-use super::event::Event;
 use super::step::Step;
 use crate::atomic_file::WriteError;
 use crate::device::Device;
+use crate::fault::timeline::FaultEdge;
 use crate::scenario::Scenario;
+use lashloop_session::LogEntry;
 
 /// A run that is about to start: its drive is set up, and its scenario resolved.
 #[derive(Clone, Copy)]
@@ -21,6 +22,15 @@ pub struct RunStart<'a> {
     pub device: &'a Device,
     /// The values of every step.
     pub signals: &'a SignalTable,
+}
+
+/// What happens in a run besides its steps, at the moment that it happens.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// An injected fault begins or ends.
+    Fault(FaultEdge),
+    /// The drive has sent a text, or the bench remarks something about it.
+    Log(LogEntry),
 }
 
 /// Observes the steps of a run: a record, a progress bar, a plot. Never on the loop's thread in real time.
@@ -89,7 +99,7 @@ pub(super) trait StepSink {
     ///
     /// # Errors
     /// The step can't be kept; the run ends.
-    fn take(&mut self, step: Step) -> Result<(), RunError>;
+    fn take(&mut self, step: &Step) -> Result<(), RunError>;
 
     /// Takes an event of a step.
     ///

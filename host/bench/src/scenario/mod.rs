@@ -39,7 +39,6 @@ mod plant_keys;
 pub mod range;
 mod reader;
 mod reference;
-mod run_mode;
 pub mod sections;
 pub mod settings_file;
 mod spelling;
@@ -59,7 +58,7 @@ pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
 pub use self::reader::Section;
-pub use self::run_mode::RunMode;
+pub use self::sections::RunMode;
 pub use self::traps::Trap;
 
 use self::bench::BenchSettings;

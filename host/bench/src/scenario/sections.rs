@@ -3,18 +3,37 @@
 use std::time::Duration;
 
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::declare::{Field, choice, integer, number, placed_texts};
 use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
-use super::run_mode::RunMode;
 use super::tree::Node;
 use crate::settings;
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
+
+settings! {
+    /// Where the samples of a run come from, and where its torques go.
+    #[derive(Default, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum RunMode {
+        /// the bench simulates the plant and exchanges samples for torques
+        default "hil" => Hil,
+        /// the drive reads its own encoders and commands its power stage
+        "bench" => Bench,
+    }
+}
+
+impl RunMode {
+    /// Whether the run is in HIL mode.
+    #[must_use]
+    pub fn is_hil(&self) -> bool {
+        *self == Self::Hil
+    }
+}
 
 settings! {
     /// `[run]`.

@@ -57,7 +57,7 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 mod tests {
     use super::*;
     use crate::soak::short_scenario::{one_step, with_faults};
-    use lashloop_bench::fault::log::FaultRecord;
+    use lashloop_bench::fault::timeline::FaultRecord;
 
     fn outcome(verdict: Verdict, link: LinkCounts) -> Outcome {
         Outcome { link, ..one_step(verdict) }

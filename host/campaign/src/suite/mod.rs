@@ -8,7 +8,7 @@
 //! | [`check`] | a value with its bounds, and whether it is met |
 //! | [`runner`] | one case on a drive, with its record |
 //! | [`baseline`] | metric values with tolerances, in a file next to the scenario |
-//! | [`header`] | what the journal of a suite belongs to |
+//! | [`journal`] | results line by line, and what they belong to |
 //! | [`tally`] | results in the order of the plan, and their exit code |
 //! | [`table`] | the results as text |
 
@@ -16,7 +16,7 @@ pub mod baseline;
 pub mod case_result;
 pub mod check;
 pub mod files;
-pub mod header;
+pub mod journal;
 pub mod plan;
 pub mod runner;
 pub mod table;

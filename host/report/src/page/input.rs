@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::fault::timeline::FaultRecord;
 use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::samples::RecordedEdge;
 use lashloop_record::timing::TimingRow;

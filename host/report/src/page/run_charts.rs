@@ -2,7 +2,7 @@
 
 use std::slice;
 
-use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::fault::timeline::FaultRecord;
 use lashloop_record::trace::{TELEMETRY_TIME, TIME};
 
 use super::data::{Chart, Data, Mark, Part, Series, Shade};

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::fault::timeline::FaultRecord;
 use lashloop_bench::verdict::{Breach, JudgedExpectation, Verdict};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{Measured, Metric, Quantity, SignalTable, Statistic};

@@ -157,7 +157,7 @@ struct Counting<'a> {
 }
 
 impl StepSink for Counting<'_> {
-    fn take(&mut self, step: Step) -> Result<(), RunError> {
+    fn take(&mut self, step: &Step) -> Result<(), RunError> {
         if self.wastes {
             drop(std::hint::black_box(Box::new(step.clone())));
         }
@@ -208,6 +208,7 @@ fn counted(
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
     let torque_limit_nm = setup::torque_limit_nm(&mut device).expect("a torque limit");
     let settings = LoopSettings {
+        is_timed: true,
         clock: ClockName::RealTime,
         watchdog,
         plant_signals: 0,

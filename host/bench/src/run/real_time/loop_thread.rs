@@ -7,9 +7,8 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::run::error::RunError;
-use crate::run::event::Event;
 use crate::run::step::Step;
-use crate::run::step_sink::StepSink;
+use crate::run::step_sink::{Event, StepSink};
 
 /// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
 const CAPACITY: usize = 1 << 14;
@@ -43,8 +42,8 @@ impl<'a> Ring<'a> {
 }
 
 impl StepSink for Ring<'_> {
-    fn take(&mut self, step: Step) -> Result<(), RunError> {
-        self.push(Item::Step(step))
+    fn take(&mut self, step: &Step) -> Result<(), RunError> {
+        self.push(Item::Step(step.clone()))
     }
 
     fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
@@ -66,7 +65,7 @@ pub(in crate::run) fn drain(
     stop: &AtomicBool,
 ) -> Result<(), RunError> {
     let result = std::iter::from_fn(|| items.pop().ok()).try_for_each(|item| match item {
-        Item::Step(step) => to.take(step),
+        Item::Step(step) => to.take(&step),
         Item::Event { step, event } => to.take_event(step, event),
     });
     if result.is_err() || to.stop_asked() {

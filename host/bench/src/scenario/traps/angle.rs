@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use lashloop_plant::reference::Reference;
 
+use super::Trap;
 use super::facts::Facts;
-use super::trap::Trap;
 use crate::scenario::error::ScenarioError;
 use crate::scenario::reader::Number;
 

@@ -1,7 +1,7 @@
 //! A plant that isn't the one which the drive's parameters describe.
 
+use super::Trap;
 use super::facts::Facts;
-use super::trap::Trap;
 use crate::scenario::controller::ParameterValue;
 use crate::scenario::error::ScenarioError;
 use crate::scenario::reader::Number;

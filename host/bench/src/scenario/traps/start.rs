@@ -2,8 +2,8 @@
 
 use lashloop_plant::reference::Reference;
 
+use super::Trap;
 use super::facts::Facts;
-use super::trap::Trap;
 use crate::scenario::error::ScenarioError;
 
 /// Twist beyond the gap that counts as rounding of the positions in the file.

@@ -1,6 +1,6 @@
 //! The injected faults over time, and the texts of the drive.
 
-use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::fault::timeline::FaultRecord;
 use maud::{Markup, html};
 
 use super::super::input::Run;
