@@ -13,7 +13,7 @@ use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::paper::{LONG_SILENCE, PATIENCE};
+use crate::paper::PATIENCE;
 use crate::program::{self, Ended};
 use crate::records::Records;
 use crate::workspace;
@@ -99,9 +99,6 @@ impl Row {
         if !self.detected_by.iter().any(|by| by.starts_with("bench")) {
             // This row loses nothing, and a busy machine must not add a loss.
             arguments.extend(PATIENCE);
-        } else if self.detected_by != ["bench silence"] {
-            // The drive waits as long for a bench that stands still on a busy machine.
-            arguments.extend(LONG_SILENCE);
         }
         (program::run(arguments), records)
     }
@@ -318,7 +315,6 @@ pub fn check_pause_on(device: &str) {
         let duration = if device == "qemu" { "run.duration_s=8" } else { "run.duration_s=24" };
         let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &records.out()];
         let arguments = arguments.into_iter().chain(["--set", duration, "--set", "expect=[]"]);
-        let arguments = arguments.chain(LONG_SILENCE);
         let bench = program::Running::start(arguments.chain(["--set", "record.flush_rows=10"]));
         if pause {
             records.wait_for_rows();

@@ -10,9 +10,6 @@ use crate::records::Records;
 pub const PATIENCE: [&str; 4] =
     ["--set", "link.answer_timeout_ms=20000", "--set", "link.silence_limit_ms=40000"];
 
-/// The part of [`PATIENCE`] that keeps the drive's watchdog from tripping, for runs that lose answers on purpose.
-pub const LONG_SILENCE: [&str; 2] = ["--set", "link.silence_limit_ms=40000"];
-
 /// One of the paper's runs.
 #[derive(Debug, Clone, Copy)]
 pub struct PaperRun {

@@ -44,9 +44,9 @@ impl DriveHost {
         self.process().map_or(Duration::ZERO, |process| process.watch.busy())
     }
 
-    /// Whether [`Self::set_suspended`] has an effect.
+    /// Whether the bench has started the drive, ends it and can suspend it.
     #[must_use]
-    pub fn can_suspend(&self) -> bool {
+    pub fn is_started(&self) -> bool {
         match self {
             Self::Process(_) | Self::InProcess(_) => true,
             Self::External => false,

@@ -259,7 +259,7 @@ fn unsupported(kind: FaultKind, device: &Device, link: Option<&LinkFaults>) -> O
         FaultKind::Frame { .. } | FaultKind::Link(_) => link
             .is_none()
             .then_some("this link was opened without fault injection: open the device for this scenario"),
-        FaultKind::Device(DeviceFault::Hang {}) => (!device.connection.host.can_suspend()).then_some(
+        FaultKind::Device(DeviceFault::Hang {}) => (!device.connection.host.is_started()).then_some(
             "only a drive that the bench runs can be suspended: use --device inproc, native or qemu, or link-stall",
         ),
         FaultKind::Device(DeviceFault::Reset {})

@@ -1,5 +1,7 @@
 //! What a scenario sets on a drive, checked against the drive's description of itself. Nothing is sent here.
 
+use std::time::Duration;
+
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::parameter_names::{
@@ -10,7 +12,6 @@ use lashloop_protocol::parameter_names::{
 use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM, key_of_pin};
 use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
-use crate::timing::ClockName;
 use lashloop_session::names::UnknownName;
 use lashloop_session::{Law, Parameter, Session, Subscription, WrittenValue};
 
@@ -34,7 +35,7 @@ pub(super) struct DriveSettings<'a> {
 }
 
 impl<'a> DriveSettings<'a> {
-    /// The settings of a scenario for the drive of this session.
+    /// The settings of a scenario for the drive of this session. `None` leaves its watchdog as it is.
     ///
     /// # Errors
     /// The drive has no such law, parameter, choice or signal, or the law in force has not; all errors at once, each with its
@@ -42,7 +43,7 @@ impl<'a> DriveSettings<'a> {
     pub(super) fn new(
         scenario: &'a Scenario,
         session: &Session,
-        clock: ClockName,
+        watchdog: Option<Duration>,
     ) -> Result<Self, ScenarioErrors> {
         let law = law(scenario, session)?;
         check_start(scenario, session, law)?;
@@ -89,10 +90,8 @@ impl<'a> DriveSettings<'a> {
         if !scenario.run.mode.is_hil() {
             required
                 .extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, scenario.bench.sample_every.into())]);
-        } else if clock == ClockName::Lockstep {
-            // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
-            // for the drive. In real time it stays as on a real bench.
-            required.push((WATCHDOG_US, 1e3 * f64::from(scenario.link.silence_limit_ms)));
+        } else if let Some(watchdog) = watchdog {
+            required.push((WATCHDOG_US, 1e6 * watchdog.as_secs_f64()));
         }
         Ok(Self { required, bench, parameters, subscription, notes })
     }

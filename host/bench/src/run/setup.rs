@@ -18,6 +18,8 @@ use lashloop_session::{SessionError, SetError, SubscribeError};
 
 /// Time for the first reading after power-up: two of the longest control periods, of 100 ms.
 const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);
+/// Time for which a busy machine may stop the bench. Every drive takes it as its watchdog.
+const LONGEST_STALL: Duration = Duration::from_secs(30);
 /// Time between two attempts.
 const FIRST_READING_INTERVAL: Duration = Duration::from_millis(10);
 
@@ -32,9 +34,18 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
     Ok(subscribed.iter().map(|it| it.signal.clone()).collect())
 }
 
+/// The drive's watchdog in lockstep: it must tolerate a slow bench but not a dead one, so it waits as long for the bench as the
+/// bench does for the drive. A drive that the bench has started ends with it, and also tolerates a bench that stands still. In
+/// real time the watchdog stays as on a real bench.
+fn lockstep_watchdog(device: &Device, scenario: &Scenario, clock: ClockName) -> Option<Duration> {
+    let silence = scenario.link.silence_limit();
+    let is_started = device.connection.host.is_started();
+    (clock == ClockName::Lockstep).then(|| if is_started { silence.max(LONGEST_STALL) } else { silence })
+}
+
 /// Applies all settings to a drive that was just reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
-    let settings = DriveSettings::new(scenario, &device.session, clock)?;
+    let settings = DriveSettings::new(scenario, &device.session, lockstep_watchdog(device, scenario, clock))?;
     for (name, number) in settings.required {
         set_required(device, name, number)?;
     }

@@ -130,7 +130,8 @@ settings! {
         /// Mean time for which a lockstep run waits for an answer, after 10 s for all. A slower drive ends the run with exit
         /// code 4.
         pub mean_wait_ms: u32 = integer(1..=30_000).or(100),
-        /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog.
+        /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog, for a drive that the bench
+        /// has started at least 30 s.
         pub silence_limit_ms: u32 = integer(100..=60_000).or(2500),
         /// Speed of a serial port. Other links ignore it.
         pub baud: u32 = integer(1200..=12_000_000).or(921_600),

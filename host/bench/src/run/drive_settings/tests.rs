@@ -58,8 +58,7 @@ fn scenario(law: &str, more: &str, options: &[&str]) -> Scenario {
 /// The errors of a scenario with the drive, or the names of the signals and the notes.
 fn settings<L: LawSet + 'static>(scenario: &Scenario) -> Result<(Vec<String>, Vec<String>), String> {
     let session = session::<L>();
-    let settings =
-        DriveSettings::new(scenario, &session, ClockName::Lockstep).map_err(|errors| errors.to_string())?;
+    let settings = DriveSettings::new(scenario, &session, None).map_err(|errors| errors.to_string())?;
     let signals = settings.subscription.signals().iter().map(|it| it.signal.name.to_string());
     Ok((signals.collect(), settings.notes))
 }
@@ -107,7 +106,7 @@ fn a_law_chosen_by_an_option_leaves_out_the_file_s_parameters_of_others() {
     let file = "[controller.parameters]\nk_21 = 0.02\nk_p1 = 1.5\n";
     let replaced = scenario("merzouki", file, &["controller.name=pd"]);
     let session = session::<Laws>();
-    let settings = DriveSettings::new(&replaced, &session, ClockName::Lockstep).expect("settings");
+    let settings = DriveSettings::new(&replaced, &session, None).expect("settings");
     let set: Vec<_> = settings.parameters.iter().map(|setting| &*setting.name).collect();
     assert_eq!(set, ["k_p1"]);
     assert_eq!(
@@ -120,7 +119,7 @@ fn a_law_chosen_by_an_option_leaves_out_the_file_s_parameters_of_others() {
     // What the command line itself gives must fit.
     let options = ["controller.name=pd", "controller.parameters.k_21=0.03"];
     let both = scenario("merzouki", file, &options);
-    assert!(DriveSettings::new(&both, &session, ClockName::Lockstep).is_err());
+    assert!(DriveSettings::new(&both, &session, None).is_err());
 }
 
 #[test]
