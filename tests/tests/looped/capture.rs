@@ -62,6 +62,10 @@ fn a_real_time_capture_has_every_sample_sent() {
         .filter(|packet| packet.direction == Some(Direction::HostToDrive))
         .filter(|packet| packet.bytes.len() == EncoderSample::LAYOUT.frame_len())
         .count() as u64;
-    let missed = records.summary()["timing"]["missed"].as_u64().expect("a count");
-    assert_eq!(samples, 1_000 - missed);
+    let summary = records.summary();
+    let steps = summary["steps"].as_u64().expect("a count");
+    let sent = steps - summary["timing"]["missed"].as_u64().expect("a count");
+    // On a machine that is too busy the drive latches a fault; the sample that ends the run is no step.
+    let more = u64::from(steps < 1_000);
+    assert!((sent..=sent + more).contains(&samples), "{samples} samples, {sent} sent in {steps} steps");
 }

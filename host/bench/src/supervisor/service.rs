@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
 use std::{io, thread};
 
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -35,8 +36,24 @@ impl Signals {
 pub struct Supervisor {
     /// The `lashloop` program; empty if there is none to tie children to.
     pub bench: PathBuf,
+    /// Before `thread`, which ends without it.
     orders: channel::UnboundedSender<Order>,
     signals: Arc<Signals>,
+    #[expect(dead_code, reason = "its drop is what it is for")]
+    thread: Joined,
+}
+
+/// A thread that has ended, with its open files, once this is dropped: a program that starts many runs, one after the other, must
+/// not run out of files on a busy machine.
+struct Joined(Option<JoinHandle<()>>);
+
+impl Drop for Joined {
+    fn drop(&mut self) {
+        if let Some(thread) = self.0.take() {
+            // After a panic there is nothing left to end.
+            let _ = thread.join();
+        }
+    }
 }
 
 /// While it lives, a signal only sets [`Supervisor::interrupted`].
@@ -86,9 +103,9 @@ impl Supervisor {
         };
         let shared = Arc::clone(&signals);
         let work = move || runtime.block_on(supervise(inbox, shared, sources));
-        thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
+        let thread = thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
         tracing::debug!(thread = "supervisor", "started");
-        Ok(Self { bench, orders, signals })
+        Ok(Self { bench, orders, signals, thread: Joined(Some(thread)) })
     }
 
     /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a
@@ -205,5 +222,18 @@ async fn supervise(
     }
     while let Some(Order { command, name, author, reply }) = orders.recv().await {
         let _ = reply.send(Process::start(command, name, author));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_thread_of_a_dropped_supervisor_has_ended() {
+        let supervisor = Supervisor::without_signals(None).expect("a thread");
+        let held_by_thread = Arc::clone(&supervisor.signals);
+        drop(supervisor);
+        assert_eq!(Arc::strong_count(&held_by_thread), 1);
     }
 }
