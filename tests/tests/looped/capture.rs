@@ -65,7 +65,7 @@ fn a_real_time_capture_has_every_sample_sent() {
     let summary = records.summary();
     let steps = summary["steps"].as_u64().expect("a count");
     let sent = steps - summary["timing"]["missed"].as_u64().expect("a count");
-    // On a machine that is too busy the drive latches a fault; the sample that ends the run is no step.
+    // On a machine that is too busy the drive latches a fault; the sample that ends the run makes none of its steps.
     let more = u64::from(steps < 1_000);
     assert!((sent..=sent + more).contains(&samples), "{samples} samples, {sent} sent in {steps} steps");
 }

@@ -32,12 +32,6 @@ impl DriveHost {
         }
     }
 
-    /// Whether the drive runs in this process.
-    #[must_use]
-    pub fn is_in_process(&self) -> bool {
-        matches!(self, Self::InProcess(_))
-    }
-
     /// Time in which a process that the bench started computed or waited for a core.
     #[must_use]
     pub fn busy(&self) -> Duration {

@@ -16,7 +16,7 @@ use super::simulator::Simulator;
 use super::step_recorder::StepRecorder;
 use super::step_sink::{RunStart, StepObserver, StepSink};
 use super::{lockstep, setup};
-use crate::device::Device;
+use crate::device::{Device, DriveHost};
 use crate::fault::timeline::FaultRecord;
 use crate::fault::timeline::Timeline;
 use crate::scenario::{RunMode, Scenario};
@@ -51,7 +51,7 @@ fn observed(
     let DeviceUnderTest { device, link_faults } = under_test;
     let (source, plant_signals) = source(scenario, device, clock)?;
     let timeline = Timeline::new(scenario, device, link_faults.clone())?;
-    let is_timed = clock != Clock::Untimed || !device.connection.host.is_in_process();
+    let is_timed = clock != Clock::Untimed || !matches!(device.connection.host, DriveHost::InProcess(_));
     device.session.line.set_time_base(match clock {
         Clock::Untimed if !is_timed => TimeBase::Scripted,
         Clock::Lockstep | Clock::Untimed => TimeBase::Virtual,

@@ -8,22 +8,19 @@
 //! |---|---|
 //! | `settings` | the macro |
 //! | `field` | a key, a section, a list of sections; what the macro implements |
-//! | `single` | numbers, texts and choices |
-//! | `tagged` | a choice whose names have keys of their own |
+//! | `single` | numbers, texts and choices, also those whose names have keys of their own |
 //! | `named` | types whose values have names |
 
 mod field;
 mod named;
 mod settings;
 mod single;
-mod tagged;
 
 pub use field::{Field, Map, Settings, Variants, by, flat, plain, section, section_of, sections, skipped};
 pub use named::Named;
 pub use single::{
-    Optional, Scalar, Single, any_text, choice, choices, integer, number, scalars, text, texts,
+    Optional, Scalar, Single, any_text, choice, choices, integer, number, scalars, tagged, text, texts,
 };
-pub use tagged::tagged;
 
 pub(super) use field::field;
 pub(super) use single::{name_of, placed_texts, values};

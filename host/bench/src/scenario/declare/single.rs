@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
-use super::field::Field;
+use super::field::{Field, Variants, field};
 use super::named::Named;
-use crate::scenario::key::{Choice, Key, KeyKind, Keys};
+use crate::scenario::key::{Choice, Key, KeyKind, Keys, Selector};
 use crate::scenario::range::NumberRange;
 use crate::scenario::reader::Section;
 use crate::scenario::tree::{Node, Value};
@@ -226,4 +226,27 @@ pub fn choices<T: Named>() -> Single<Vec<T>> {
 /// One of these names.
 pub(in crate::scenario) fn name_of(choices: Vec<Choice>) -> Single<String> {
     Single { kind: KeyKind::Choice(choices), ..text("") }
+}
+
+/// A choice that decides on further keys of its section. A faulty choice is `None`. If it `names_owner`, the error for a key
+/// of another name says whose key it is.
+pub fn tagged<V: Variants>(names_owner: bool) -> impl Field<Value = Option<V>> {
+    let declare = move |name, doc, keys: &mut Keys| {
+        name_of(V::choices()).declare(name, doc, keys);
+        let variant = |Choice { name, .. }: Choice| {
+            let mut keys = Keys::default();
+            V::declare(name, &mut keys);
+            (name, keys)
+        };
+        let variants = V::choices().into_iter().map(variant).collect();
+        keys.selectors.push(Selector { key: name, variants, names_owner });
+    };
+    field(declare, |name, section| {
+        let chosen = name_of(V::choices()).find(name, section);
+        let variant = chosen.and_then(|chosen| V::read(&chosen, section));
+        if variant.is_none() {
+            section.accept_the_rest();
+        }
+        variant
+    })
 }
