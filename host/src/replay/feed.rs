@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use lashloop_bench::device::Device;
+use lashloop_bench::run::setup::lockstep_watchdog;
 use lashloop_bench::scenario::sections::LinkSettings;
 use lashloop_link::TimeBase;
 use lashloop_record::diff::Tolerance;
@@ -27,7 +28,10 @@ pub fn replay(
 ) -> Result<Replay, ReplayError> {
     device.session.line.set_time_base(TimeBase::Virtual);
     device.session.reset().map_err(|source| device.explain(source))?;
-    parameters.apply(device, 1e3 * f64::from(link.silence_limit_ms))?;
+    parameters.apply(
+        device,
+        1e6 * lockstep_watchdog(&device.connection.host, link.silence_limit()).as_secs_f64(),
+    )?;
     device.session.start().map_err(|source| device.explain(source))?;
     let mut replay = Replay::new(recording, tolerance);
     for (index, recorded) in recording.steps.iter().enumerate() {

@@ -15,7 +15,9 @@ fn run(device: &str, clock: Clock, settings: &[&str]) -> Outcome {
 
 #[test]
 fn an_untimed_run_has_torques_and_counts_of_lockstep_and_no_times() {
-    for settings in [&[][..], &["link.modelled_baud=921600"]] {
+    // Answers that a clock on the wall would find too slow by 70 s.
+    let slow = "fault=[{kind=\"link-delay\", at_s=0.0, for_s=0.3, delay_ms=200.0}]";
+    for settings in [&[][..], &["link.modelled_baud=921600"], &[slow]] {
         let [timed, untimed] = [Clock::Lockstep, Clock::Untimed].map(|clock| run("inproc", clock, settings));
         assert_eq!(untimed.torque_sha256, timed.torque_sha256, "{settings:?}");
         assert_eq!(untimed.link, timed.link, "{settings:?}");

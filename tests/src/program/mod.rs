@@ -86,6 +86,14 @@ impl Running {
         processes::signal(self.id(), signal);
     }
 
+    /// Whether the process has ended.
+    ///
+    /// # Panics
+    /// The system doesn't know the process.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().expect("lashloop can be waited for").is_some()
+    }
+
     /// Waits for the end of the process.
     ///
     /// # Panics

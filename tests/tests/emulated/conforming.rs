@@ -1,10 +1,9 @@
 //! The image conforms to the protocol.
 
-use tests::battery::{LASHLOOP_SKIPS, all_passed};
-use tests::program::run;
+use tests::battery::{LASHLOOP_SKIPS, all_passed, conformance};
 
 pub(crate) fn every_check() {
-    let ended = run(["conformance", "--device", "qemu"]).with_code(0);
+    let ended = conformance("qemu", &[]);
     assert!(ended.stdout.starts_with("qemu (stm32f405"), "{}", ended.stdout);
     all_passed(&ended.stdout, LASHLOOP_SKIPS);
 }

@@ -26,7 +26,14 @@ fn a_real_time_run_takes_the_time_it_simulates_and_equals_lockstep() {
         let _ =
             program::run(arguments.into_iter().chain(["--set", "run.duration_s=0.3", "--set", "expect=[]"]));
         let (summary, timing) = (records.summary(), records.timing());
-        assert_eq!((records.trace().len() as u64, timing.len() as u64), (STEPS, STEPS));
+        let made = timing.len() as u64;
+        assert_eq!(records.trace().len() as u64, made);
+        if made < STEPS {
+            // The drive stood still for longer than its watchdog.
+            let end = summary["end"].to_string();
+            assert!(clock == "real-time" && end.contains("Watchdog"), "{made} steps with {clock}: {end}");
+            return (STEPS - made, summary);
+        }
         let ones = |column: &str| timing.column(column).iter().filter(|flag| **flag == 1.0).count() as u64;
         let count = |name: &str| summary["timing"][name].as_u64().expect("a count");
         let late = count("missed") + count("unanswered");

@@ -38,7 +38,7 @@ impl DriveHost {
         self.process().map_or(Duration::ZERO, |process| process.watch.busy())
     }
 
-    /// Whether the bench has started the drive, ends it and can suspend it.
+    /// Whether the bench has started the drive and can suspend it.
     #[must_use]
     pub fn is_started(&self) -> bool {
         match self {

@@ -40,7 +40,7 @@ pub(super) struct ControlLoop<'a, S> {
     torque: HeldTorque,
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
-    /// `None` in real time, where the clock bounds every wait.
+    /// `None` in real time, where the clock bounds every wait, and without times.
     waiting: Option<WaitingTime>,
     pub(super) counts: Counts,
     /// Signals that the drive sends in a telemetry.
@@ -104,7 +104,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             answers: AnswerCheck::new(torque_limit_nm, may_duplicate_samples(scenario)),
             torque: HeldTorque::new(period, watchdog),
             silent_since: None,
-            waiting: (clock == ClockName::Lockstep).then(waiting),
+            waiting: (clock == ClockName::Lockstep && is_timed).then(waiting),
             counts: Counts::default(),
             drive_signals,
             unfinished: None,

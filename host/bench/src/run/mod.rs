@@ -21,7 +21,6 @@
 //! | `held_torque` | the torque on the motor while answers stay out |
 //! | `waiting_time` | the time that a lockstep run waits for its drive |
 //! | `reconnect` | getting a lost drive back |
-//! | `event` | what happens besides the steps: injected faults, texts of the drive |
 //! | `step` | a finished step: truth, torque, the drive's signals, timing |
 //! | [`digest`] | digest of all torques |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |

@@ -134,7 +134,7 @@ pub struct Outcome {
     pub steps: u64,
     /// Simulated time in seconds.
     pub simulated_s: f64,
-    /// Wall-clock time in seconds, from the start of the drive to the last answer.
+    /// Time in seconds, from the start of the drive to the last answer: of the wall clock, or of the link where that is scripted.
     pub wall_s: f64,
     /// SHA-256 of the torque stream.
     pub torque_sha256: String,

@@ -11,7 +11,7 @@ use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
 use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
-use crate::device::{Device, DeviceError};
+use crate::device::{Device, DeviceError, DriveHost};
 use crate::scenario::{RunMode, Scenario, ScenarioError};
 use crate::timing::ClockName;
 use lashloop_session::{SessionError, SetError, SubscribeError};
@@ -35,17 +35,17 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
 }
 
 /// The drive's watchdog in lockstep: it must tolerate a slow bench but not a dead one, so it waits as long for the bench as the
-/// bench does for the drive. A drive that the bench has started ends with it, and also tolerates a bench that stands still. In
-/// real time the watchdog stays as on a real bench.
-fn lockstep_watchdog(device: &Device, scenario: &Scenario, clock: ClockName) -> Option<Duration> {
-    let silence = scenario.link.silence_limit();
-    let is_started = device.connection.host.is_started();
-    (clock == ClockName::Lockstep).then(|| if is_started { silence.max(LONGEST_STALL) } else { silence })
+/// bench does for the drive. A drive that the bench has started also tolerates a bench that stands still.
+pub fn lockstep_watchdog(host: &DriveHost, silence_limit: Duration) -> Duration {
+    if host.is_started() { silence_limit.max(LONGEST_STALL) } else { silence_limit }
 }
 
 /// Applies all settings to a drive that was just reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
-    let settings = DriveSettings::new(scenario, &device.session, lockstep_watchdog(device, scenario, clock))?;
+    // In real time the watchdog stays as on a real bench.
+    let watchdog = (clock == ClockName::Lockstep)
+        .then(|| lockstep_watchdog(&device.connection.host, scenario.link.silence_limit()));
+    let settings = DriveSettings::new(scenario, &device.session, watchdog)?;
     for (name, number) in settings.required {
         set_required(device, name, number)?;
     }
@@ -161,4 +161,21 @@ fn set_required(device: &mut Device, name: &str, number: f64) -> Result<(), Devi
             device.unfit(format!("it does not take {name} = {number}, which the scenario needs: {refused}"))
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use lashloop_link::in_process::Suspension;
+
+    use super::*;
+
+    #[test]
+    fn only_a_drive_that_the_bench_has_started_waits_for_a_bench_that_stands_still() {
+        let watchdog_s = |host: DriveHost, silence_limit_s| {
+            lockstep_watchdog(&host, Duration::from_secs(silence_limit_s)).as_secs()
+        };
+        let started = || DriveHost::InProcess(Suspension::default());
+        assert_eq!([2, 60].map(|limit_s| watchdog_s(DriveHost::External, limit_s)), [2, 60]);
+        assert_eq!([2, 60].map(|limit_s| watchdog_s(started(), limit_s)), [30, 60]);
+    }
 }
