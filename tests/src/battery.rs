@@ -2,11 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use crate::program::{self, Ended};
-
-/// Times that a busy machine may leave checks of time unjudged.
-const ATTEMPTS: usize = 3;
-
 /// What the Lashloop drive's description excludes.
 pub const LASHLOOP_SKIPS: &[&str] = &[
     "no law has 13 signals",
@@ -30,17 +25,6 @@ pub const ONE_LAW_SKIPS: &[&str] = &[
     "the drive has no law pd, so it does not offer the profile",
     "the drive has no live parameter besides reserved ones",
 ];
-
-/// Makes the checks on a device with further arguments, again where some were not judged and none failed.
-///
-/// # Panics
-/// A check failed, or the last attempt left one unjudged.
-#[must_use]
-pub fn conformance(device: &str, arguments: &[&str]) -> Ended {
-    let run = || program::run(["conformance", "--device", device].iter().chain(arguments));
-    let is_judged = |ended: &Ended| ended.code != Some(4) || !ended.stdout.contains(" passed, 0 failed, ");
-    (1..ATTEMPTS).map(|_| run()).find(is_judged).unwrap_or_else(run).with_code(0)
-}
 
 /// The number of checks, of which all passed but those skipped for `reasons`, each of which occurs.
 ///

@@ -28,10 +28,8 @@ pub fn replay(
 ) -> Result<Replay, ReplayError> {
     device.session.line.set_time_base(TimeBase::Virtual);
     device.session.reset().map_err(|source| device.explain(source))?;
-    parameters.apply(
-        device,
-        1e6 * lockstep_watchdog(&device.connection.host, link.silence_limit()).as_secs_f64(),
-    )?;
+    let watchdog = lockstep_watchdog(&device.connection.host, link.silence_limit());
+    parameters.apply(device, watchdog)?;
     device.session.start().map_err(|source| device.explain(source))?;
     let mut replay = Replay::new(recording, tolerance);
     for (index, recorded) in recording.steps.iter().enumerate() {

@@ -1,5 +1,7 @@
 //! The parameters in force of a record, set on a device.
 
+use std::time::Duration;
+
 use lashloop_bench::device::Device;
 use lashloop_protocol::parameter_names::WATCHDOG_US;
 use lashloop_record::manifest::ParameterInForce;
@@ -31,15 +33,15 @@ impl RecordedParameters {
     }
 
     /// Sets every parameter, in the order of the record. The watchdog counts time of the device, which is none of the run
-    /// here: it waits for `watchdog_us`.
+    /// here: it waits for `watchdog`.
     ///
     /// # Errors
     /// The firmware lacks a parameter or a value, or the session failed.
-    pub fn apply(&self, device: &mut Device, watchdog_us: f64) -> Result<(), ReplayError> {
+    pub fn apply(&self, device: &mut Device, watchdog: Duration) -> Result<(), ReplayError> {
         for ParameterInForce { name, value, choice, .. } in &self.0 {
             // Another firmware may number its choices differently.
             let written = match choice {
-                _ if name == WATCHDOG_US => WrittenValue::Number(watchdog_us),
+                _ if name == WATCHDOG_US => WrittenValue::Number(1e6 * watchdog.as_secs_f64()),
                 Some(choice) => WrittenValue::Name(choice),
                 None => WrittenValue::Number((*value).into()),
             };

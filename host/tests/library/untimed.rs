@@ -15,7 +15,7 @@ fn run(device: &str, clock: Clock, settings: &[&str]) -> Outcome {
 
 #[test]
 fn an_untimed_run_has_torques_and_counts_of_lockstep_and_no_times() {
-    // Answers that a clock on the wall would find too slow by 70 s.
+    // 120 s of waiting in the link's time; a run may wait for 40 s of the wall clock.
     let slow = "fault=[{kind=\"link-delay\", at_s=0.0, for_s=0.3, delay_ms=200.0}]";
     for settings in [&[][..], &["link.modelled_baud=921600"], &[slow]] {
         let [timed, untimed] = [Clock::Lockstep, Clock::Untimed].map(|clock| run("inproc", clock, settings));

@@ -1,6 +1,6 @@
 //! The native twin conforms to the protocol, and the report shows every check.
 
-use tests::battery::{self, LASHLOOP_SKIPS, conformance};
+use tests::battery::{self, LASHLOOP_SKIPS};
 use tests::program::run;
 use tests::twin::Twin;
 
@@ -12,7 +12,7 @@ fn all_passed(stdout: &str) -> usize {
 
 #[test]
 fn the_native_twin_passes_every_check_it_can_show() {
-    let ended = conformance("native", &[]);
+    let ended = run(["conformance", "--device", "native"]).with_code(0);
     assert!(ended.stdout.starts_with("native (native-twin, firmware "), "{}", ended.stdout);
     all_passed(&ended.stdout);
 }
@@ -20,12 +20,12 @@ fn the_native_twin_passes_every_check_it_can_show() {
 #[test]
 fn a_drive_on_a_terminal_passes_every_check() {
     let twin = Twin::start();
-    all_passed(&conformance(&twin.device(), &[]).stdout);
+    all_passed(&run(["conformance", "--device", &twin.device()]).with_code(0).stdout);
 }
 
 #[test]
 fn a_drive_in_process_passes_every_check_it_can_show() {
-    all_passed(&conformance("inproc", &[]).stdout);
+    all_passed(&run(["conformance", "--device", "inproc"]).with_code(0).stdout);
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("conformance.xml");
     let file = path.display().to_string();
-    let ended = conformance("native", &["--junit", &file]);
+    let ended = run(["conformance", "--device", "native", "--junit", &file]).with_code(0);
     let text = std::fs::read_to_string(&path).expect("a report");
     let document = roxmltree::Document::parse(&text).expect("XML");
     let suites = document.root_element();
@@ -72,7 +72,7 @@ fn the_list_has_every_check_and_every_rule_without_one() {
     let unchecked = lashloop_conformance::unchecked::UNCHECKED.len();
     assert_eq!(listed.lines().count(), checks + unchecked, "{listed}");
     assert_eq!(listed.lines().filter(|line| line.contains("  no check: ")).count(), unchecked, "{listed}");
-    let ran = conformance("inproc", &[]).stdout;
+    let ran = run(["conformance", "--device", "inproc"]).with_code(0).stdout;
     assert_eq!(all_passed(&ran), checks, "{ran}");
 }
 

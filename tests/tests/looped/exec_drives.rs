@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::battery::{ONE_LAW_SKIPS, all_passed, conformance};
+use tests::battery::{ONE_LAW_SKIPS, all_passed};
 use tests::loss::{assert_reported, scenario_in_progress};
 use tests::program::{self, Ended, Running};
 use tests::{c_drive, processes, wait, workspace};
@@ -20,7 +20,7 @@ fn run_on(device: &str) -> Ended {
 fn the_drive_in_c_conforms_on_pipes_and_on_a_terminal() {
     let on_terminal = format!("exec:sh -c '{} <$0 >$0' {{tty}}", c_drive::path().display());
     for device in [c_drive::device(), on_terminal] {
-        let ended = conformance(&device, &[]);
+        let ended = program::run(["conformance", "--device", &device]).with_code(0);
         assert!(
             ended.stdout.starts_with(&format!("{device} (c-example, firmware 1.0.0, ")),
             "{}",

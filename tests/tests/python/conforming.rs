@@ -1,12 +1,13 @@
 //! The Python drive conforms to the protocol.
 
-use tests::battery::{PD_ALONE_SKIPS, all_passed, conformance};
+use tests::battery::{PD_ALONE_SKIPS, all_passed};
+use tests::program::run;
 use tests::python;
 
 /// A drive of the package with everything that a drive may describe, so that no check is omitted.
 pub(crate) fn every_check() {
     let device = python::on_standard_streams("clients/python/tests/drive_for_conformance.py");
-    let ended = conformance(&device, &[]);
+    let ended = run(["conformance", "--device", &device]).with_code(0);
     assert!(ended.stdout.starts_with(&format!("{device} (python, firmware ")), "{}", ended.stdout);
     all_passed(&ended.stdout, &[]);
 }
@@ -14,6 +15,6 @@ pub(crate) fn every_check() {
 /// `python -m lashloop drive` on a pseudo-terminal. It has one law, and fewer signals than a telemetry holds.
 pub(crate) fn the_package_s_own() {
     let drive = python::drive();
-    let ended = conformance(&drive.device(), &[]);
+    let ended = run(["conformance", "--device", &drive.device()]).with_code(0);
     all_passed(&ended.stdout, PD_ALONE_SKIPS);
 }

@@ -40,7 +40,7 @@ pub(super) struct ControlLoop<'a, S> {
     torque: HeldTorque,
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
-    /// `None` in real time, where the clock bounds every wait, and without times.
+    /// `None` in real time, where the clock bounds every wait, and in a run without times, whose waits are virtual.
     waiting: Option<WaitingTime>,
     pub(super) counts: Counts,
     /// Signals that the drive sends in a telemetry.

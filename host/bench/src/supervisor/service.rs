@@ -36,11 +36,10 @@ impl Signals {
 pub struct Supervisor {
     /// The `lashloop` program; empty if there is none to tie children to.
     pub bench: PathBuf,
-    /// Before `thread`, which ends without it.
+    /// Before the thread, which ends without it.
     orders: channel::UnboundedSender<Order>,
     signals: Arc<Signals>,
-    #[expect(dead_code, reason = "its drop is what it is for")]
-    thread: Joined,
+    _thread: Joined,
 }
 
 /// A thread that has ended, with its open files, once this is dropped: a program that starts many runs, one after the other, must
@@ -105,7 +104,7 @@ impl Supervisor {
         let work = move || runtime.block_on(supervise(inbox, shared, sources));
         let thread = thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
         tracing::debug!(thread = "supervisor", "started");
-        Ok(Self { bench, orders, signals, thread: Joined(Some(thread)) })
+        Ok(Self { bench, orders, signals, _thread: Joined(Some(thread)) })
     }
 
     /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a

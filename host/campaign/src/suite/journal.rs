@@ -91,17 +91,21 @@ impl Journal {
         Ok(Self(file))
     }
 
-    fn begin(file: ResultsFile, header: &Header) -> Result<Self, CampaignError> {
-        let mut journal = Self(file);
-        journal.append(header)?;
-        Ok(journal)
-    }
-
     /// Appends a result.
     ///
     /// # Errors
     /// The write fails; the lines before it stay intact.
-    pub fn append(&mut self, value: &impl Serialize) -> Result<(), CampaignError> {
+    pub fn append(&mut self, result: &CaseResult) -> Result<(), CampaignError> {
+        self.write(result)
+    }
+
+    fn begin(file: ResultsFile, header: &Header) -> Result<Self, CampaignError> {
+        let mut journal = Self(file);
+        journal.write(header)?;
+        Ok(journal)
+    }
+
+    fn write(&mut self, value: &impl Serialize) -> Result<(), CampaignError> {
         let mut line =
             serde_json::to_vec(value).map_err(|error| io_error(&self.0.path, "written")(error.into()))?;
         line.push(b'\n');
