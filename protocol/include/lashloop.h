@@ -4,20 +4,34 @@
  * docs/protocol.md specifies the meaning of the messages and when each is sent.
  *
  * Offsets count from the kind byte at offset 0 of every body, after the COBS stuffing has been removed.
- * Numbers are little endian. There are no structs: read byte by byte, independent of padding and of the byte order
- * of the machine.
+ * Values are little endian. There are no structs: read byte by byte, independent of padding and of the byte order of
+ * the machine.
+ *
+ * Requests and their answers have the number of the request at LASHLOOP_NUMBER_OFFSET. Offsets and lengths include
+ * it. A host that needs no numbers sends 0. The kinds 0x10 to 0x1f and 0x90 to 0x9f have no number: see
+ * LASHLOOP_HAS_NUMBER.
+ *
+ * A receiver takes bodies of other lengths than BODY_LEN:
+ * - longer ones, because a newer minor version may have added fields. It ignores the rest. Telemetry is the
+ *   exception: its values run to the end of the body.
+ * - shorter ones, down to SHORTEST_BODY_LEN, which lack the optional last field or some of its bytes.
+ *
+ * Lists of values and sets of flags are open: a newer drive may have more. Every byte but 0 is a value of a list.
+ * DescribeChoice asks the drive for the name of a value.
  */
 
 #ifndef LASHLOOP_H
 #define LASHLOOP_H
 
-#define LASHLOOP_PROTOCOL_VERSION 1 /* in Hello and Identity */
+#define LASHLOOP_PROTOCOL_VERSION 1 /* in Hello and Identity; both sides have the same */
+#define LASHLOOP_MINOR_VERSION 0 /* in Hello and Identity; may differ */
 #define LASHLOOP_MAX_FRAME 64 /* longest frame in bytes, COBS code and delimiter included */
-#define LASHLOOP_MAX_BODY 58 /* longest body in bytes: kind and fields */
+#define LASHLOOP_MAX_BODY 58 /* longest body in bytes: kind, number and fields */
 #define LASHLOOP_OVERHEAD 6 /* bytes of a frame beyond its body: COBS code, CRC, delimiter */
 #define LASHLOOP_DELIMITER 0 /* ends every frame and occurs nowhere else */
 #define LASHLOOP_MAX_LAWS 16 /* most laws of a drive */
 #define LASHLOOP_MAX_SIGNALS 32 /* most signals of a drive */
+#define LASHLOOP_MAX_PARAMETERS 240 /* most parameters of a drive */
 #define LASHLOOP_MAX_TELEMETRY_VALUES 13 /* most values of one telemetry message */
 #define LASHLOOP_CRC_LEN 4 /* bytes, little endian, after the body */
 #define LASHLOOP_STATUS_STATE_MASK 15 /* bits of a status byte that hold the state */
@@ -26,6 +40,13 @@
 #define LASHLOOP_CRC_INIT 0xffffffffu /* register before the first byte */
 #define LASHLOOP_CRC_XOROUT 0xffffffffu /* exclusive or after the last byte */
 #define LASHLOOP_CRC_CHECK 0xe3069283u /* CRC of the nine bytes "123456789" */
+
+/* Parameters of DescribeChoice that stand for a list; the choice is a value of */
+#define LASHLOOP_FAULT_NAMES 255 /* enum lashloop_fault_code */
+#define LASHLOOP_OUTCOME_NAMES 254 /* enum lashloop_outcome */
+#define LASHLOOP_STATE_NAMES 253 /* enum lashloop_state */
+#define LASHLOOP_FLAG_NAMES 252 /* LASHLOOP_TORQUE_FLAGS_* */
+#define LASHLOOP_KIND_NAMES 251 /* LASHLOOP_*_KIND, those of the host and of the drive */
 
 /* Names of parameters with the same meaning in every drive */
 #define LASHLOOP_PARAMETER_CONTROLLER "controller"
@@ -36,6 +57,10 @@
 #define LASHLOOP_PARAMETER_TORQUE_LIMIT_NM "torque_limit_nm"
 #define LASHLOOP_PARAMETER_MOTOR_SPEED_LIMIT_RAD_S "motor_speed_limit_rad_s"
 #define LASHLOOP_PARAMETER_LOAD_SPEED_LIMIT_RAD_S "load_speed_limit_rad_s"
+
+/* Whether a kind has a number, be it in this header or not */
+#define LASHLOOP_HAS_NUMBER(kind) (((kind) & 0x70) != 0x10)
+#define LASHLOOP_NUMBER_OFFSET 1
 
 enum lashloop_state {
     LASHLOOP_STATE_BOOT = 1,
@@ -71,7 +96,9 @@ enum lashloop_outcome {
     LASHLOOP_OUTCOME_OUT_OF_SEQUENCE = 8,
     LASHLOOP_OUTCOME_INCONSISTENT = 9,
     LASHLOOP_OUTCOME_POWER_STAGE_FAULT = 10,
-    LASHLOOP_OUTCOME_ENCODER_IMPLAUSIBLE = 11
+    LASHLOOP_OUTCOME_ENCODER_IMPLAUSIBLE = 11,
+    LASHLOOP_OUTCOME_UNKNOWN_REQUEST = 12,
+    LASHLOOP_OUTCOME_SIGNAL_OF_OTHER_LAW = 13
 };
 
 enum lashloop_log_level {
@@ -93,117 +120,132 @@ enum lashloop_parameter_type {
 #define LASHLOOP_PARAMETER_FLAGS_LIVE 0x1
 #define LASHLOOP_PARAMETER_FLAGS_CHOICES 0x2
 
-/* Hello: Opens a session. A new session number makes the drive disarm and enter Idle; the number of the open session changes nothing and requests the identity only. */
+#define LASHLOOP_CAPABILITIES_DEVICE_TIME 0x1
+#define LASHLOOP_CAPABILITIES_BENCH_MODE 0x2
+#define LASHLOOP_CAPABILITIES_LOADER 0x4
+
+/* Hello: Opens a session. A new session number makes the drive disarm and enter Idle; the number of the open session changes nothing and requests the identity only. Same layout in every protocol version. */
 #define LASHLOOP_HELLO_KIND 0x01
-#define LASHLOOP_HELLO_BODY_LEN 6
-#define LASHLOOP_HELLO_FRAME_LEN 12
+#define LASHLOOP_HELLO_BODY_LEN 8
+#define LASHLOOP_HELLO_FRAME_LEN 14
 /* uint8_t: Protocol version of the host. */
-#define LASHLOOP_HELLO_PROTOCOL_VERSION_OFFSET 1
+#define LASHLOOP_HELLO_PROTOCOL_VERSION_OFFSET 2
 #define LASHLOOP_HELLO_PROTOCOL_VERSION_LEN 1
+/* uint8_t: Minor version of the host. */
+#define LASHLOOP_HELLO_MINOR_VERSION_OFFSET 3
+#define LASHLOOP_HELLO_MINOR_VERSION_LEN 1
 /* uint32_t: Number of the session, chosen by the host. It distinguishes the answers from those to an earlier host. */
-#define LASHLOOP_HELLO_SESSION_OFFSET 2
+#define LASHLOOP_HELLO_SESSION_OFFSET 4
 #define LASHLOOP_HELLO_SESSION_LEN 4
 
 /* DescribeParameter: Requests name, unit, type, range, flags and laws of a parameter. */
 #define LASHLOOP_DESCRIBE_PARAMETER_KIND 0x02
-#define LASHLOOP_DESCRIBE_PARAMETER_BODY_LEN 2
-#define LASHLOOP_DESCRIBE_PARAMETER_FRAME_LEN 8
+#define LASHLOOP_DESCRIBE_PARAMETER_BODY_LEN 3
+#define LASHLOOP_DESCRIBE_PARAMETER_FRAME_LEN 9
 /* uint8_t: Index, from 0 to the parameter count in Identity, exclusive. */
-#define LASHLOOP_DESCRIBE_PARAMETER_INDEX_OFFSET 1
+#define LASHLOOP_DESCRIBE_PARAMETER_INDEX_OFFSET 2
 #define LASHLOOP_DESCRIBE_PARAMETER_INDEX_LEN 1
 
 /* GetParameter: Requests the value in force. */
 #define LASHLOOP_GET_PARAMETER_KIND 0x03
-#define LASHLOOP_GET_PARAMETER_BODY_LEN 2
-#define LASHLOOP_GET_PARAMETER_FRAME_LEN 8
+#define LASHLOOP_GET_PARAMETER_BODY_LEN 3
+#define LASHLOOP_GET_PARAMETER_FRAME_LEN 9
 /* uint8_t: Index of the parameter. */
-#define LASHLOOP_GET_PARAMETER_INDEX_OFFSET 1
+#define LASHLOOP_GET_PARAMETER_INDEX_OFFSET 2
 #define LASHLOOP_GET_PARAMETER_INDEX_LEN 1
 
 /* SetParameter: Sets a parameter; the answer reads back the value then in force. */
 #define LASHLOOP_SET_PARAMETER_KIND 0x04
-#define LASHLOOP_SET_PARAMETER_BODY_LEN 7
-#define LASHLOOP_SET_PARAMETER_FRAME_LEN 13
+#define LASHLOOP_SET_PARAMETER_BODY_LEN 8
+#define LASHLOOP_SET_PARAMETER_FRAME_LEN 14
 /* uint8_t: Index of the parameter. */
-#define LASHLOOP_SET_PARAMETER_INDEX_OFFSET 1
+#define LASHLOOP_SET_PARAMETER_INDEX_OFFSET 2
 #define LASHLOOP_SET_PARAMETER_INDEX_LEN 1
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: The new value, of the parameter's own type. */
-#define LASHLOOP_SET_PARAMETER_VALUE_OFFSET 2
+#define LASHLOOP_SET_PARAMETER_VALUE_OFFSET 3
 #define LASHLOOP_SET_PARAMETER_VALUE_LEN 5
 
 /* Arm: Arms the drive: the next Start of this session enables torque. */
 #define LASHLOOP_ARM_KIND 0x05
-#define LASHLOOP_ARM_BODY_LEN 5
-#define LASHLOOP_ARM_FRAME_LEN 11
+#define LASHLOOP_ARM_BODY_LEN 6
+#define LASHLOOP_ARM_FRAME_LEN 12
 /* uint32_t: Session opened by Hello, so that a stale frame of an earlier host can't arm the drive. */
-#define LASHLOOP_ARM_SESSION_OFFSET 1
+#define LASHLOOP_ARM_SESSION_OFFSET 2
 #define LASHLOOP_ARM_SESSION_LEN 4
 
 /* Start: Starts the control law from its initial state. The next sample must carry sequence 0. */
 #define LASHLOOP_START_KIND 0x06
-#define LASHLOOP_START_BODY_LEN 5
-#define LASHLOOP_START_FRAME_LEN 11
+#define LASHLOOP_START_BODY_LEN 6
+#define LASHLOOP_START_FRAME_LEN 12
 /* uint32_t: Session opened by Hello. */
-#define LASHLOOP_START_SESSION_OFFSET 1
+#define LASHLOOP_START_SESSION_OFFSET 2
 #define LASHLOOP_START_SESSION_LEN 4
 
 /* Stop: Ends the run: torque zero, Idle. */
 #define LASHLOOP_STOP_KIND 0x07
-#define LASHLOOP_STOP_BODY_LEN 1
-#define LASHLOOP_STOP_FRAME_LEN 7
+#define LASHLOOP_STOP_BODY_LEN 2
+#define LASHLOOP_STOP_FRAME_LEN 8
 
 /* EmergencyStop: Torque zero at once; the drive latches a fault. */
 #define LASHLOOP_EMERGENCY_STOP_KIND 0x08
-#define LASHLOOP_EMERGENCY_STOP_BODY_LEN 1
-#define LASHLOOP_EMERGENCY_STOP_FRAME_LEN 7
+#define LASHLOOP_EMERGENCY_STOP_BODY_LEN 2
+#define LASHLOOP_EMERGENCY_STOP_FRAME_LEN 8
 
 /* ClearFault: Clears the latched fault; the drive returns to Idle. */
 #define LASHLOOP_CLEAR_FAULT_KIND 0x09
-#define LASHLOOP_CLEAR_FAULT_BODY_LEN 1
-#define LASHLOOP_CLEAR_FAULT_FRAME_LEN 7
+#define LASHLOOP_CLEAR_FAULT_BODY_LEN 2
+#define LASHLOOP_CLEAR_FAULT_FRAME_LEN 8
 
 /* Reset: Returns the drive to Boot with default parameters, as after power-up. Same layout in every protocol version. */
 #define LASHLOOP_RESET_KIND 0x0a
-#define LASHLOOP_RESET_BODY_LEN 1
-#define LASHLOOP_RESET_FRAME_LEN 7
+#define LASHLOOP_RESET_BODY_LEN 2
+#define LASHLOOP_RESET_FRAME_LEN 8
 
 /* DescribeLaw: Requests the name of a control law. */
 #define LASHLOOP_DESCRIBE_LAW_KIND 0x0b
-#define LASHLOOP_DESCRIBE_LAW_BODY_LEN 2
-#define LASHLOOP_DESCRIBE_LAW_FRAME_LEN 8
+#define LASHLOOP_DESCRIBE_LAW_BODY_LEN 3
+#define LASHLOOP_DESCRIBE_LAW_FRAME_LEN 9
 /* uint8_t: Index, from 0 to the law count in Identity, exclusive. */
-#define LASHLOOP_DESCRIBE_LAW_INDEX_OFFSET 1
+#define LASHLOOP_DESCRIBE_LAW_INDEX_OFFSET 2
 #define LASHLOOP_DESCRIBE_LAW_INDEX_LEN 1
 
 /* DescribeSignal: Requests name, unit and laws of a signal. */
 #define LASHLOOP_DESCRIBE_SIGNAL_KIND 0x0c
-#define LASHLOOP_DESCRIBE_SIGNAL_BODY_LEN 2
-#define LASHLOOP_DESCRIBE_SIGNAL_FRAME_LEN 8
+#define LASHLOOP_DESCRIBE_SIGNAL_BODY_LEN 3
+#define LASHLOOP_DESCRIBE_SIGNAL_FRAME_LEN 9
 /* uint8_t: Index, from 0 to the signal count in Identity, exclusive. */
-#define LASHLOOP_DESCRIBE_SIGNAL_INDEX_OFFSET 1
+#define LASHLOOP_DESCRIBE_SIGNAL_INDEX_OFFSET 2
 #define LASHLOOP_DESCRIBE_SIGNAL_INDEX_LEN 1
 
-/* DescribeChoice: Requests the name of a value of a parameter with choices. */
+/* DescribeChoice: Requests the name of a value of a parameter with choices, or of a value of one of the drive's lists. */
 #define LASHLOOP_DESCRIBE_CHOICE_KIND 0x0d
-#define LASHLOOP_DESCRIBE_CHOICE_BODY_LEN 3
-#define LASHLOOP_DESCRIBE_CHOICE_FRAME_LEN 9
-/* uint8_t: Index of the parameter. */
-#define LASHLOOP_DESCRIBE_CHOICE_PARAMETER_OFFSET 1
+#define LASHLOOP_DESCRIBE_CHOICE_BODY_LEN 4
+#define LASHLOOP_DESCRIBE_CHOICE_FRAME_LEN 10
+/* uint8_t: Index of the parameter, or one of the numbers of a list in limits. */
+#define LASHLOOP_DESCRIBE_CHOICE_PARAMETER_OFFSET 2
 #define LASHLOOP_DESCRIBE_CHOICE_PARAMETER_LEN 1
-/* uint8_t: The value, from the smallest to the largest of the parameter. */
-#define LASHLOOP_DESCRIBE_CHOICE_CHOICE_OFFSET 2
+/* uint8_t: The value, from the smallest to the largest of the parameter; of a list its byte. */
+#define LASHLOOP_DESCRIBE_CHOICE_CHOICE_OFFSET 3
 #define LASHLOOP_DESCRIBE_CHOICE_CHOICE_LEN 1
 
 /* Subscribe: Selects the signals that telemetry carries, and its rate. Replaces the subscription before it. */
 #define LASHLOOP_SUBSCRIBE_KIND 0x0e
-#define LASHLOOP_SUBSCRIBE_BODY_LEN 7
-#define LASHLOOP_SUBSCRIBE_FRAME_LEN 13
+#define LASHLOOP_SUBSCRIBE_BODY_LEN 8
+#define LASHLOOP_SUBSCRIBE_FRAME_LEN 14
 /* uint32_t: Signals: bit n stands for the signal with index n. At most 13; none ends telemetry. */
-#define LASHLOOP_SUBSCRIBE_SIGNALS_OFFSET 1
+#define LASHLOOP_SUBSCRIBE_SIGNALS_OFFSET 2
 #define LASHLOOP_SUBSCRIBE_SIGNALS_LEN 4
 /* uint16_t: Telemetry follows the torque of every sample whose sequence is a multiple of this number; 0 ends telemetry. */
-#define LASHLOOP_SUBSCRIBE_EVERY_OFFSET 5
+#define LASHLOOP_SUBSCRIBE_EVERY_OFFSET 6
 #define LASHLOOP_SUBSCRIBE_EVERY_LEN 2
+
+/* EnterLoader: Ends the firmware and starts the boot loader of the chip, which takes another firmware. */
+#define LASHLOOP_ENTER_LOADER_KIND 0x0f
+#define LASHLOOP_ENTER_LOADER_BODY_LEN 6
+#define LASHLOOP_ENTER_LOADER_FRAME_LEN 12
+/* uint32_t: Session opened by Hello. */
+#define LASHLOOP_ENTER_LOADER_SESSION_OFFSET 2
+#define LASHLOOP_ENTER_LOADER_SESSION_LEN 4
 
 /* EncoderSample: Readings of the two encoders at the start of a control period. */
 #define LASHLOOP_ENCODER_SAMPLE_KIND 0x10
@@ -233,179 +275,217 @@ enum lashloop_parameter_type {
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_OFFSET 3
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_LEN 4
 
-/* EnterLoader: Ends the firmware and starts the boot loader of the chip, which takes another firmware. */
-#define LASHLOOP_ENTER_LOADER_KIND 0x12
-#define LASHLOOP_ENTER_LOADER_BODY_LEN 5
-#define LASHLOOP_ENTER_LOADER_FRAME_LEN 11
-/* uint32_t: Session opened by Hello. */
-#define LASHLOOP_ENTER_LOADER_SESSION_OFFSET 1
-#define LASHLOOP_ENTER_LOADER_SESSION_LEN 4
-
-/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
- * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
+/* X(name, kind, shortest body length, body length, element length) for every message that this side sends.
+ * If the element length is 0, a body has the shortest length or more. Else the last field repeats: a body has at least
+ * one element, and at most the body length. */
 #define LASHLOOP_HOST_MESSAGES(X) \
-    X(HELLO, 0x01, 6, 0) \
-    X(DESCRIBE_PARAMETER, 0x02, 2, 0) \
-    X(GET_PARAMETER, 0x03, 2, 0) \
-    X(SET_PARAMETER, 0x04, 7, 0) \
-    X(ARM, 0x05, 5, 0) \
-    X(START, 0x06, 5, 0) \
-    X(STOP, 0x07, 1, 0) \
-    X(EMERGENCY_STOP, 0x08, 1, 0) \
-    X(CLEAR_FAULT, 0x09, 1, 0) \
-    X(RESET, 0x0a, 1, 0) \
-    X(DESCRIBE_LAW, 0x0b, 2, 0) \
-    X(DESCRIBE_SIGNAL, 0x0c, 2, 0) \
-    X(DESCRIBE_CHOICE, 0x0d, 3, 0) \
-    X(SUBSCRIBE, 0x0e, 7, 0) \
-    X(ENCODER_SAMPLE, 0x10, 13, 0) \
-    X(REFERENCE, 0x11, 7, 0) \
-    X(ENTER_LOADER, 0x12, 5, 0)
+    X(HELLO, 0x01, 8, 8, 0) \
+    X(DESCRIBE_PARAMETER, 0x02, 3, 3, 0) \
+    X(GET_PARAMETER, 0x03, 3, 3, 0) \
+    X(SET_PARAMETER, 0x04, 8, 8, 0) \
+    X(ARM, 0x05, 6, 6, 0) \
+    X(START, 0x06, 6, 6, 0) \
+    X(STOP, 0x07, 2, 2, 0) \
+    X(EMERGENCY_STOP, 0x08, 2, 2, 0) \
+    X(CLEAR_FAULT, 0x09, 2, 2, 0) \
+    X(RESET, 0x0a, 2, 2, 0) \
+    X(DESCRIBE_LAW, 0x0b, 3, 3, 0) \
+    X(DESCRIBE_SIGNAL, 0x0c, 3, 3, 0) \
+    X(DESCRIBE_CHOICE, 0x0d, 4, 4, 0) \
+    X(SUBSCRIBE, 0x0e, 8, 8, 0) \
+    X(ENTER_LOADER, 0x0f, 6, 6, 0) \
+    X(ENCODER_SAMPLE, 0x10, 13, 13, 0) \
+    X(REFERENCE, 0x11, 7, 7, 0)
 
 /* Identity: Identity of the drive. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81
-#define LASHLOOP_IDENTITY_BODY_LEN 46
-#define LASHLOOP_IDENTITY_FRAME_LEN 52
+#define LASHLOOP_IDENTITY_BODY_LEN 53 /* with the optional field */
+#define LASHLOOP_IDENTITY_FRAME_LEN 59 /* with the optional field */
+#define LASHLOOP_IDENTITY_SHORTEST_BODY_LEN 49
 /* uint8_t: Protocol version of the drive. */
-#define LASHLOOP_IDENTITY_PROTOCOL_VERSION_OFFSET 1
+#define LASHLOOP_IDENTITY_PROTOCOL_VERSION_OFFSET 2
 #define LASHLOOP_IDENTITY_PROTOCOL_VERSION_LEN 1
+/* uint8_t: Minor version of the drive. */
+#define LASHLOOP_IDENTITY_MINOR_VERSION_OFFSET 3
+#define LASHLOOP_IDENTITY_MINOR_VERSION_LEN 1
 /* uint32_t: Session of the Hello that this message answers. */
-#define LASHLOOP_IDENTITY_SESSION_OFFSET 2
+#define LASHLOOP_IDENTITY_SESSION_OFFSET 4
 #define LASHLOOP_IDENTITY_SESSION_LEN 4
 /* major, minor, patch, 1 byte each: Version of the firmware. */
-#define LASHLOOP_IDENTITY_FIRMWARE_OFFSET 6
+#define LASHLOOP_IDENTITY_FIRMWARE_OFFSET 8
 #define LASHLOOP_IDENTITY_FIRMWARE_LEN 3
 /* uint32_t: First 32 bits of the commit the firmware was built from; 0 if unknown. */
-#define LASHLOOP_IDENTITY_BUILD_ID_OFFSET 9
+#define LASHLOOP_IDENTITY_BUILD_ID_OFFSET 11
 #define LASHLOOP_IDENTITY_BUILD_ID_LEN 4
 /* uint8_t: 0 if the firmware was built from exactly that commit; 1 if the sources had changes, or if that is unknown. */
-#define LASHLOOP_IDENTITY_DIRTY_OFFSET 13
+#define LASHLOOP_IDENTITY_DIRTY_OFFSET 15
 #define LASHLOOP_IDENTITY_DIRTY_LEN 1
 /* 1 byte of enum lashloop_state: State after the handshake. */
-#define LASHLOOP_IDENTITY_STATE_OFFSET 14
+#define LASHLOOP_IDENTITY_STATE_OFFSET 16
 #define LASHLOOP_IDENTITY_STATE_LEN 1
 /* 16 bytes of UTF-8, padded with zeros, not always terminated: Name of the board. */
-#define LASHLOOP_IDENTITY_BOARD_OFFSET 15
+#define LASHLOOP_IDENTITY_BOARD_OFFSET 17
 #define LASHLOOP_IDENTITY_BOARD_LEN 16
 /* uint32_t: Control period in force, in us. */
-#define LASHLOOP_IDENTITY_PERIOD_US_OFFSET 31
+#define LASHLOOP_IDENTITY_PERIOD_US_OFFSET 33
 #define LASHLOOP_IDENTITY_PERIOD_US_LEN 4
 /* uint32_t: Resolution of the motor encoder in force, in counts per revolution. */
-#define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_OFFSET 35
+#define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_OFFSET 37
 #define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_LEN 4
 /* uint32_t: Resolution of the load encoder in force, in counts per revolution. */
-#define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_OFFSET 39
+#define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_OFFSET 41
 #define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_LEN 4
 /* uint8_t: Number of control laws, 1 to 16. */
-#define LASHLOOP_IDENTITY_LAW_COUNT_OFFSET 43
+#define LASHLOOP_IDENTITY_LAW_COUNT_OFFSET 45
 #define LASHLOOP_IDENTITY_LAW_COUNT_LEN 1
 /* uint8_t: Number of signals, 0 to 32. */
-#define LASHLOOP_IDENTITY_SIGNAL_COUNT_OFFSET 44
+#define LASHLOOP_IDENTITY_SIGNAL_COUNT_OFFSET 46
 #define LASHLOOP_IDENTITY_SIGNAL_COUNT_LEN 1
-/* uint8_t: Number of parameters. */
-#define LASHLOOP_IDENTITY_PARAMETER_COUNT_OFFSET 45
+/* uint8_t: Number of parameters, 0 to 240. */
+#define LASHLOOP_IDENTITY_PARAMETER_COUNT_OFFSET 47
 #define LASHLOOP_IDENTITY_PARAMETER_COUNT_LEN 1
+/* 8 bits LASHLOOP_CAPABILITIES_*: What the drive can do beyond what every drive must. */
+#define LASHLOOP_IDENTITY_CAPABILITIES_OFFSET 48
+#define LASHLOOP_IDENTITY_CAPABILITIES_LEN 1
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_IDENTITY_DEVICE_TIME_US_OFFSET 49
+#define LASHLOOP_IDENTITY_DEVICE_TIME_US_LEN 4
 
 /* ParameterDescription: Name, unit, type, range, flags and laws of a parameter. */
 #define LASHLOOP_PARAMETER_DESCRIPTION_KIND 0x82
-#define LASHLOOP_PARAMETER_DESCRIPTION_BODY_LEN 57
-#define LASHLOOP_PARAMETER_DESCRIPTION_FRAME_LEN 63
+#define LASHLOOP_PARAMETER_DESCRIPTION_BODY_LEN 58
+#define LASHLOOP_PARAMETER_DESCRIPTION_FRAME_LEN 64
 /* uint8_t: Index of the parameter. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_INDEX_OFFSET 1
+#define LASHLOOP_PARAMETER_DESCRIPTION_INDEX_OFFSET 2
 #define LASHLOOP_PARAMETER_DESCRIPTION_INDEX_LEN 1
 /* 8 bits LASHLOOP_PARAMETER_FLAGS_*: Whether it may be set while running, and whether its values have names. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_FLAGS_OFFSET 2
+#define LASHLOOP_PARAMETER_DESCRIPTION_FLAGS_OFFSET 3
 #define LASHLOOP_PARAMETER_DESCRIPTION_FLAGS_LEN 1
 /* uint16_t: Laws that the parameter belongs to: bit n stands for the law with index n. A parameter of the drive itself belongs to all laws. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_LAWS_OFFSET 3
+#define LASHLOOP_PARAMETER_DESCRIPTION_LAWS_OFFSET 4
 #define LASHLOOP_PARAMETER_DESCRIPTION_LAWS_LEN 2
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Value after power-up. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_OFFSET 5
+#define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_OFFSET 6
 #define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_LEN 5
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Smallest value accepted. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_MIN_OFFSET 10
+#define LASHLOOP_PARAMETER_DESCRIPTION_MIN_OFFSET 11
 #define LASHLOOP_PARAMETER_DESCRIPTION_MIN_LEN 5
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Largest value accepted. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_MAX_OFFSET 15
+#define LASHLOOP_PARAMETER_DESCRIPTION_MAX_OFFSET 16
 #define LASHLOOP_PARAMETER_DESCRIPTION_MAX_LEN 5
 /* 27 bytes of UTF-8, padded with zeros, not always terminated: Name, with the unit as its suffix. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_OFFSET 20
+#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_OFFSET 21
 #define LASHLOOP_PARAMETER_DESCRIPTION_NAME_LEN 27
 /* 10 bytes of UTF-8, padded with zeros, not always terminated: Unit as text; empty for a pure number. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_OFFSET 47
+#define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_OFFSET 48
 #define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_LEN 10
 
 /* ParameterReport: The value of a parameter after a get or a set. */
 #define LASHLOOP_PARAMETER_REPORT_KIND 0x83
-#define LASHLOOP_PARAMETER_REPORT_BODY_LEN 9
-#define LASHLOOP_PARAMETER_REPORT_FRAME_LEN 15
+#define LASHLOOP_PARAMETER_REPORT_BODY_LEN 18 /* with the optional field */
+#define LASHLOOP_PARAMETER_REPORT_FRAME_LEN 24 /* with the optional field */
+#define LASHLOOP_PARAMETER_REPORT_SHORTEST_BODY_LEN 14
 /* uint8_t: Index of the parameter. */
-#define LASHLOOP_PARAMETER_REPORT_INDEX_OFFSET 1
+#define LASHLOOP_PARAMETER_REPORT_INDEX_OFFSET 2
 #define LASHLOOP_PARAMETER_REPORT_INDEX_LEN 1
 /* 1 byte of enum lashloop_outcome: Outcome of the request; unless accepted, value is unchanged. */
-#define LASHLOOP_PARAMETER_REPORT_OUTCOME_OFFSET 2
+#define LASHLOOP_PARAMETER_REPORT_OUTCOME_OFFSET 3
 #define LASHLOOP_PARAMETER_REPORT_OUTCOME_LEN 1
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: The value in force. */
-#define LASHLOOP_PARAMETER_REPORT_VALUE_OFFSET 3
+#define LASHLOOP_PARAMETER_REPORT_VALUE_OFFSET 4
 #define LASHLOOP_PARAMETER_REPORT_VALUE_LEN 5
 /* 1 byte of enum lashloop_state: State of the drive. */
-#define LASHLOOP_PARAMETER_REPORT_STATE_OFFSET 8
+#define LASHLOOP_PARAMETER_REPORT_STATE_OFFSET 9
 #define LASHLOOP_PARAMETER_REPORT_STATE_LEN 1
+/* uint32_t: Further detail, as defined by the outcome; else 0. */
+#define LASHLOOP_PARAMETER_REPORT_DETAIL_OFFSET 10
+#define LASHLOOP_PARAMETER_REPORT_DETAIL_LEN 4
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_PARAMETER_REPORT_DEVICE_TIME_US_OFFSET 14
+#define LASHLOOP_PARAMETER_REPORT_DEVICE_TIME_US_LEN 4
+
+/* LineReport: Receive statistics of the drive since the start of the run. */
+#define LASHLOOP_LINE_REPORT_KIND 0x84
+#define LASHLOOP_LINE_REPORT_BODY_LEN 22 /* with the optional field */
+#define LASHLOOP_LINE_REPORT_FRAME_LEN 28 /* with the optional field */
+#define LASHLOOP_LINE_REPORT_SHORTEST_BODY_LEN 18
+/* uint32_t: Messages received, those of unknown kinds included. */
+#define LASHLOOP_LINE_REPORT_MESSAGES_OFFSET 2
+#define LASHLOOP_LINE_REPORT_MESSAGES_LEN 4
+/* uint32_t: Damaged frames. */
+#define LASHLOOP_LINE_REPORT_DAMAGED_OFFSET 6
+#define LASHLOOP_LINE_REPORT_DAMAGED_LEN 4
+/* uint32_t: Whole frames that the drive refused. */
+#define LASHLOOP_LINE_REPORT_REFUSED_OFFSET 10
+#define LASHLOOP_LINE_REPORT_REFUSED_LEN 4
+/* uint32_t: Bytes lost in the receiver before framing. */
+#define LASHLOOP_LINE_REPORT_OVERRUNS_OFFSET 14
+#define LASHLOOP_LINE_REPORT_OVERRUNS_LEN 4
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_LINE_REPORT_DEVICE_TIME_US_OFFSET 18
+#define LASHLOOP_LINE_REPORT_DEVICE_TIME_US_LEN 4
 
 /* CommandResult: Outcome of a request that has no answer of its own. */
 #define LASHLOOP_COMMAND_RESULT_KIND 0x85
-#define LASHLOOP_COMMAND_RESULT_BODY_LEN 4
-#define LASHLOOP_COMMAND_RESULT_FRAME_LEN 10
+#define LASHLOOP_COMMAND_RESULT_BODY_LEN 13 /* with the optional field */
+#define LASHLOOP_COMMAND_RESULT_FRAME_LEN 19 /* with the optional field */
+#define LASHLOOP_COMMAND_RESULT_SHORTEST_BODY_LEN 9
 /* uint8_t: Kind byte of the request. */
-#define LASHLOOP_COMMAND_RESULT_REQUEST_OFFSET 1
+#define LASHLOOP_COMMAND_RESULT_REQUEST_OFFSET 2
 #define LASHLOOP_COMMAND_RESULT_REQUEST_LEN 1
 /* 1 byte of enum lashloop_outcome: Outcome of the request. */
-#define LASHLOOP_COMMAND_RESULT_OUTCOME_OFFSET 2
+#define LASHLOOP_COMMAND_RESULT_OUTCOME_OFFSET 3
 #define LASHLOOP_COMMAND_RESULT_OUTCOME_LEN 1
 /* 1 byte of enum lashloop_state: State after the request. */
-#define LASHLOOP_COMMAND_RESULT_STATE_OFFSET 3
+#define LASHLOOP_COMMAND_RESULT_STATE_OFFSET 4
 #define LASHLOOP_COMMAND_RESULT_STATE_LEN 1
+/* uint32_t: Further detail, as defined by the outcome; else 0. */
+#define LASHLOOP_COMMAND_RESULT_DETAIL_OFFSET 5
+#define LASHLOOP_COMMAND_RESULT_DETAIL_LEN 4
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_COMMAND_RESULT_DEVICE_TIME_US_OFFSET 9
+#define LASHLOOP_COMMAND_RESULT_DEVICE_TIME_US_LEN 4
 
 /* LawDescription: Name of a control law. */
 #define LASHLOOP_LAW_DESCRIPTION_KIND 0x86
-#define LASHLOOP_LAW_DESCRIPTION_BODY_LEN 30
-#define LASHLOOP_LAW_DESCRIPTION_FRAME_LEN 36
+#define LASHLOOP_LAW_DESCRIPTION_BODY_LEN 31
+#define LASHLOOP_LAW_DESCRIPTION_FRAME_LEN 37
 /* uint8_t: Index of the law: the value of the parameter controller, and the bit in the laws of parameters and signals. */
-#define LASHLOOP_LAW_DESCRIPTION_INDEX_OFFSET 1
+#define LASHLOOP_LAW_DESCRIPTION_INDEX_OFFSET 2
 #define LASHLOOP_LAW_DESCRIPTION_INDEX_LEN 1
 /* 28 bytes of UTF-8, padded with zeros, not always terminated: Name of the law. */
-#define LASHLOOP_LAW_DESCRIPTION_NAME_OFFSET 2
+#define LASHLOOP_LAW_DESCRIPTION_NAME_OFFSET 3
 #define LASHLOOP_LAW_DESCRIPTION_NAME_LEN 28
 
 /* SignalDescription: Name, unit and laws of a signal. */
 #define LASHLOOP_SIGNAL_DESCRIPTION_KIND 0x87
-#define LASHLOOP_SIGNAL_DESCRIPTION_BODY_LEN 46
-#define LASHLOOP_SIGNAL_DESCRIPTION_FRAME_LEN 52
+#define LASHLOOP_SIGNAL_DESCRIPTION_BODY_LEN 47
+#define LASHLOOP_SIGNAL_DESCRIPTION_FRAME_LEN 53
 /* uint8_t: Index of the signal: the bit in the signals of Subscribe. */
-#define LASHLOOP_SIGNAL_DESCRIPTION_INDEX_OFFSET 1
+#define LASHLOOP_SIGNAL_DESCRIPTION_INDEX_OFFSET 2
 #define LASHLOOP_SIGNAL_DESCRIPTION_INDEX_LEN 1
 /* uint16_t: Laws that the signal belongs to: bit n stands for the law with index n. A signal of the drive itself belongs to all laws. */
-#define LASHLOOP_SIGNAL_DESCRIPTION_LAWS_OFFSET 2
+#define LASHLOOP_SIGNAL_DESCRIPTION_LAWS_OFFSET 3
 #define LASHLOOP_SIGNAL_DESCRIPTION_LAWS_LEN 2
 /* 32 bytes of UTF-8, padded with zeros, not always terminated: Name, with the unit as its suffix. */
-#define LASHLOOP_SIGNAL_DESCRIPTION_NAME_OFFSET 4
+#define LASHLOOP_SIGNAL_DESCRIPTION_NAME_OFFSET 5
 #define LASHLOOP_SIGNAL_DESCRIPTION_NAME_LEN 32
 /* 10 bytes of UTF-8, padded with zeros, not always terminated: Unit as text; empty for a pure number. */
-#define LASHLOOP_SIGNAL_DESCRIPTION_UNIT_OFFSET 36
+#define LASHLOOP_SIGNAL_DESCRIPTION_UNIT_OFFSET 37
 #define LASHLOOP_SIGNAL_DESCRIPTION_UNIT_LEN 10
 
-/* ChoiceDescription: Name of a value of a parameter with choices. */
+/* ChoiceDescription: Name of a value of a parameter with choices, or of a value of one of the drive's lists. */
 #define LASHLOOP_CHOICE_DESCRIPTION_KIND 0x88
-#define LASHLOOP_CHOICE_DESCRIPTION_BODY_LEN 31
-#define LASHLOOP_CHOICE_DESCRIPTION_FRAME_LEN 37
-/* uint8_t: Index of the parameter. */
-#define LASHLOOP_CHOICE_DESCRIPTION_PARAMETER_OFFSET 1
+#define LASHLOOP_CHOICE_DESCRIPTION_BODY_LEN 32
+#define LASHLOOP_CHOICE_DESCRIPTION_FRAME_LEN 38
+/* uint8_t: Index of the parameter, or number of the list. */
+#define LASHLOOP_CHOICE_DESCRIPTION_PARAMETER_OFFSET 2
 #define LASHLOOP_CHOICE_DESCRIPTION_PARAMETER_LEN 1
 /* uint8_t: The value that has this name. */
-#define LASHLOOP_CHOICE_DESCRIPTION_CHOICE_OFFSET 2
+#define LASHLOOP_CHOICE_DESCRIPTION_CHOICE_OFFSET 3
 #define LASHLOOP_CHOICE_DESCRIPTION_CHOICE_LEN 1
 /* 28 bytes of UTF-8, padded with zeros, not always terminated: Name of the choice. */
-#define LASHLOOP_CHOICE_DESCRIPTION_NAME_OFFSET 3
+#define LASHLOOP_CHOICE_DESCRIPTION_NAME_OFFSET 4
 #define LASHLOOP_CHOICE_DESCRIPTION_NAME_LEN 28
 
 /* TorqueAnswer: The torque for one sample. */
@@ -429,6 +509,7 @@ enum lashloop_parameter_type {
 #define LASHLOOP_TELEMETRY_KIND 0x91
 #define LASHLOOP_TELEMETRY_BODY_LEN 55 /* of the longest */
 #define LASHLOOP_TELEMETRY_FRAME_LEN 61 /* of the longest */
+#define LASHLOOP_TELEMETRY_SHORTEST_BODY_LEN 7
 /* uint16_t: Sequence of the sample that these values belong to. */
 #define LASHLOOP_TELEMETRY_SEQUENCE_OFFSET 1
 #define LASHLOOP_TELEMETRY_SEQUENCE_LEN 2
@@ -438,8 +519,9 @@ enum lashloop_parameter_type {
 
 /* FaultReport: The latched fault. */
 #define LASHLOOP_FAULT_REPORT_KIND 0x92
-#define LASHLOOP_FAULT_REPORT_BODY_LEN 16
-#define LASHLOOP_FAULT_REPORT_FRAME_LEN 22
+#define LASHLOOP_FAULT_REPORT_BODY_LEN 20 /* with the optional field */
+#define LASHLOOP_FAULT_REPORT_FRAME_LEN 26 /* with the optional field */
+#define LASHLOOP_FAULT_REPORT_SHORTEST_BODY_LEN 16
 /* 1 byte of enum lashloop_fault_code: Cause. */
 #define LASHLOOP_FAULT_REPORT_CODE_OFFSET 1
 #define LASHLOOP_FAULT_REPORT_CODE_LEN 1
@@ -455,34 +537,24 @@ enum lashloop_parameter_type {
 /* uint32_t: Further detail, as defined by the code. */
 #define LASHLOOP_FAULT_REPORT_DETAIL_OFFSET 12
 #define LASHLOOP_FAULT_REPORT_DETAIL_LEN 4
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_FAULT_REPORT_DEVICE_TIME_US_OFFSET 16
+#define LASHLOOP_FAULT_REPORT_DEVICE_TIME_US_LEN 4
 
 /* Log: A log text of the firmware. */
 #define LASHLOOP_LOG_KIND 0x93
-#define LASHLOOP_LOG_BODY_LEN 54
-#define LASHLOOP_LOG_FRAME_LEN 60
+#define LASHLOOP_LOG_BODY_LEN 58 /* with the optional field */
+#define LASHLOOP_LOG_FRAME_LEN 64 /* with the optional field */
+#define LASHLOOP_LOG_SHORTEST_BODY_LEN 54
 /* 1 byte of enum lashloop_log_level: Severity. */
 #define LASHLOOP_LOG_LEVEL_OFFSET 1
 #define LASHLOOP_LOG_LEVEL_LEN 1
 /* 52 bytes of UTF-8, padded with zeros, not always terminated: Text, without a line end. */
 #define LASHLOOP_LOG_TEXT_OFFSET 2
 #define LASHLOOP_LOG_TEXT_LEN 52
-
-/* LineReport: Receive statistics of the drive since the start of the run. */
-#define LASHLOOP_LINE_REPORT_KIND 0x94
-#define LASHLOOP_LINE_REPORT_BODY_LEN 17
-#define LASHLOOP_LINE_REPORT_FRAME_LEN 23
-/* uint32_t: Messages received. */
-#define LASHLOOP_LINE_REPORT_MESSAGES_OFFSET 1
-#define LASHLOOP_LINE_REPORT_MESSAGES_LEN 4
-/* uint32_t: Damaged frames. */
-#define LASHLOOP_LINE_REPORT_DAMAGED_OFFSET 5
-#define LASHLOOP_LINE_REPORT_DAMAGED_LEN 4
-/* uint32_t: Whole frames that aren't messages of this protocol version. */
-#define LASHLOOP_LINE_REPORT_REFUSED_OFFSET 9
-#define LASHLOOP_LINE_REPORT_REFUSED_LEN 4
-/* uint32_t: Bytes lost in the receiver before framing. */
-#define LASHLOOP_LINE_REPORT_OVERRUNS_OFFSET 13
-#define LASHLOOP_LINE_REPORT_OVERRUNS_LEN 4
+/* uint32_t, optional: Device time of the message, in us; wraps around. Absent if the drive has no clock. */
+#define LASHLOOP_LOG_DEVICE_TIME_US_OFFSET 54
+#define LASHLOOP_LOG_DEVICE_TIME_US_LEN 4
 
 /* BenchSample: Bench mode: what the drive measured and applied in one control period. */
 #define LASHLOOP_BENCH_SAMPLE_KIND 0x95
@@ -513,21 +585,22 @@ enum lashloop_parameter_type {
 #define LASHLOOP_BENCH_SAMPLE_LATENESS_TENTHS_US_OFFSET 18
 #define LASHLOOP_BENCH_SAMPLE_LATENESS_TENTHS_US_LEN 2
 
-/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
- * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
+/* X(name, kind, shortest body length, body length, element length) for every message that this side sends.
+ * If the element length is 0, a body has the shortest length or more. Else the last field repeats: a body has at least
+ * one element, and at most the body length. */
 #define LASHLOOP_DRIVE_MESSAGES(X) \
-    X(IDENTITY, 0x81, 46, 0) \
-    X(PARAMETER_DESCRIPTION, 0x82, 57, 0) \
-    X(PARAMETER_REPORT, 0x83, 9, 0) \
-    X(COMMAND_RESULT, 0x85, 4, 0) \
-    X(LAW_DESCRIPTION, 0x86, 30, 0) \
-    X(SIGNAL_DESCRIPTION, 0x87, 46, 0) \
-    X(CHOICE_DESCRIPTION, 0x88, 31, 0) \
-    X(TORQUE_ANSWER, 0x90, 10, 0) \
-    X(TELEMETRY, 0x91, 55, 4) \
-    X(FAULT_REPORT, 0x92, 16, 0) \
-    X(LOG, 0x93, 54, 0) \
-    X(LINE_REPORT, 0x94, 17, 0) \
-    X(BENCH_SAMPLE, 0x95, 20, 0)
+    X(IDENTITY, 0x81, 49, 53, 0) \
+    X(PARAMETER_DESCRIPTION, 0x82, 58, 58, 0) \
+    X(PARAMETER_REPORT, 0x83, 14, 18, 0) \
+    X(LINE_REPORT, 0x84, 18, 22, 0) \
+    X(COMMAND_RESULT, 0x85, 9, 13, 0) \
+    X(LAW_DESCRIPTION, 0x86, 31, 31, 0) \
+    X(SIGNAL_DESCRIPTION, 0x87, 47, 47, 0) \
+    X(CHOICE_DESCRIPTION, 0x88, 32, 32, 0) \
+    X(TORQUE_ANSWER, 0x90, 10, 10, 0) \
+    X(TELEMETRY, 0x91, 7, 55, 4) \
+    X(FAULT_REPORT, 0x92, 16, 20, 0) \
+    X(LOG, 0x93, 54, 58, 0) \
+    X(BENCH_SAMPLE, 0x95, 20, 20, 0)
 
 #endif

@@ -8,7 +8,7 @@ use bytes::{Buf, BytesMut};
 use crate::decoder::{Counters, Decoder};
 use crate::frame::FrameError;
 use crate::limits::MAX_FRAME;
-use crate::message::Message;
+use crate::message::{Message, Numbered};
 
 /// Decodes messages of type `In` and encodes messages of type `Out`.
 ///
@@ -34,7 +34,7 @@ impl<In, Out> Codec<In, Out> {
 }
 
 impl<In: Message, Out> tokio_util::codec::Decoder for Codec<In, Out> {
-    type Item = Result<In, FrameError>;
+    type Item = Result<Numbered<In>, FrameError>;
     type Error = io::Error;
 
     fn decode(&mut self, src: &mut BytesMut) -> io::Result<Option<Self::Item>> {
@@ -53,11 +53,11 @@ impl<In: Message, Out> tokio_util::codec::Decoder for Codec<In, Out> {
     }
 }
 
-impl<In, Out: Message> tokio_util::codec::Encoder<Out> for Codec<In, Out> {
+impl<In, Out: Message> tokio_util::codec::Encoder<Numbered<Out>> for Codec<In, Out> {
     type Error = io::Error;
 
-    fn encode(&mut self, message: Out, dst: &mut BytesMut) -> io::Result<()> {
-        dst.extend_from_slice(message.write_frame(&mut [0; MAX_FRAME]));
+    fn encode(&mut self, Numbered { number, message }: Numbered<Out>, dst: &mut BytesMut) -> io::Result<()> {
+        dst.extend_from_slice(message.write_numbered(number, &mut [0; MAX_FRAME]));
         Ok(())
     }
 }

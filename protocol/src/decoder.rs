@@ -6,7 +6,8 @@
 use crate::cobs;
 use crate::frame::{self, FrameError};
 use crate::limits::MAX_FRAME;
-use crate::message::Message;
+use crate::message::{Message, Numbered};
+use crate::wire::BodyError;
 
 /// Statistics of a decoder. All counts saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,8 +22,10 @@ pub struct Counters {
     pub malformed: u32,
     /// Frames with a wrong CRC.
     pub crc_errors: u32,
-    /// Whole frames that aren't messages of this direction and protocol version.
+    /// Whole frames that aren't messages of this direction.
     pub refused: u32,
+    /// Whole frames of a kind that a newer peer added.
+    pub unknown: u32,
 }
 
 impl Counters {
@@ -34,6 +37,10 @@ impl Counters {
 
     fn count(&mut self, error: &FrameError, bytes: usize) {
         let class = match error {
+            FrameError::Body(BodyError::UnknownKind { .. }) => {
+                self.unknown = self.unknown.saturating_add(1);
+                return;
+            }
             FrameError::Oversized { .. } => &mut self.oversized,
             FrameError::Stuffing { .. } | FrameError::TooShort { .. } | FrameError::Truncated { .. } => {
                 &mut self.malformed
@@ -75,20 +82,20 @@ impl Decoder {
     /// # Errors
     /// The inner result holds the error of a bad frame. The decoder continues after that frame.
     #[cfg_attr(feature = "fast-path", inline(always))]
-    pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
+    pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<Numbered<M>, FrameError>> {
         #[cfg(feature = "fast-path")]
         if self.pending == 0
             && let Some((message, rest)) = M::split_off_periodic(input)
         {
             *input = rest;
             self.counters.messages = self.counters.messages.saturating_add(1);
-            return Some(Ok(message));
+            return Some(Ok(Numbered { number: 0, message }));
         }
         self.next_of_any_kind(input).transpose()
     }
 
     #[cfg_attr(feature = "fast-path", inline(never))]
-    fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Result<Option<M>, FrameError> {
+    fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Result<Option<Numbered<M>>, FrameError> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);
             *input = rest;
@@ -134,7 +141,7 @@ impl Decoder {
         self.pending = self.pending.saturating_add(piece.len());
     }
 
-    fn close<M: Message>(&mut self) -> Result<M, FrameError> {
+    fn close<M: Message>(&mut self) -> Result<Numbered<M>, FrameError> {
         let bytes = core::mem::take(&mut self.pending);
         let result = match self.partial.get_mut(..bytes) {
             Some(stuffed) => frame::open(stuffed).and_then(|body| Ok(M::decode_body(body)?)),

@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::counts::EncoderCounts;
 use crate::enums::{ParameterValue, TorqueStatus, Version};
-use crate::layout::{FieldLayout, FieldType, FlagSet};
+use crate::layout::{FieldLayout, FieldType, FlagSet, ListValue};
 use crate::telemetry_values::TelemetryValues;
 use crate::wire::Wire;
 
@@ -19,12 +19,12 @@ pub enum FieldValue<'a> {
     Real(f32),
     /// Real numbers of a repeated field.
     Reals(TelemetryValues),
-    /// Name out of a closed list.
-    Name(&'static str),
+    /// Value of a list.
+    Name(ListValue),
     /// Flags that are set.
     Flags(SetFlags),
-    /// Name out of a closed list, and the flags that are set in the same byte.
-    Status(&'static str, SetFlags),
+    /// Value of a list, and the flags that are set in the same byte.
+    Status(ListValue, SetFlags),
     /// Text without its padding.
     Text(&'a str),
     /// Value of a parameter, with its type.
@@ -94,10 +94,10 @@ impl fmt::Display for FieldValue<'_> {
                 }
                 Ok(())
             }
-            Self::Name(name) => out.write_str(name),
+            Self::Name(value) => value.fmt(out),
             Self::Flags(flags) => flags.fmt(out),
-            Self::Status(name, flags) if flags.bits == 0 => out.write_str(name),
-            Self::Status(name, flags) => write!(out, "{name}|{flags}"),
+            Self::Status(state, flags) if flags.bits == 0 => state.fmt(out),
+            Self::Status(state, flags) => write!(out, "{state}|{flags}"),
             Self::Text(text) => write!(out, "{text:?}"),
             Self::Parameter(value) => write!(out, "{value} ({})", value.ty()),
             Self::Version(version) => version.fmt(out),
@@ -106,7 +106,7 @@ impl fmt::Display for FieldValue<'_> {
 }
 
 impl FieldLayout {
-    /// The value of the field in a body; `None` if the body is too short or the bytes aren't a value of the field's type.
+    /// The value of the field in a body; `None` if the body ends before or inside the field or the bytes aren't a value of its type.
     #[must_use]
     pub fn value<'a>(&self, body: &'a [u8]) -> Option<FieldValue<'a>> {
         self.ty.value(self.bytes(body)?)
@@ -122,12 +122,12 @@ impl FieldType {
             Self::I24 => FieldValue::Signed(<EncoderCounts as Wire>::get(bytes)?.get()),
             Self::F32 => FieldValue::Real(f32::get(bytes)?),
             Self::F32Repeated => FieldValue::Reals(TelemetryValues::get(bytes)?),
-            Self::Enum(list) => FieldValue::Name(list.name_of(*bytes.first()?)?),
+            Self::Enum(list) => FieldValue::Name(list.value(*bytes.first()?)?),
             Self::Flags(set) => FieldValue::Flags(SetFlags { set, bits: *bytes.first()? }),
             Self::Status { states, flags } => {
                 let byte = *bytes.first()?;
                 let bits = byte & !TorqueStatus::STATE_MASK;
-                let state = states.name_of(byte & TorqueStatus::STATE_MASK)?;
+                let state = states.value(byte & TorqueStatus::STATE_MASK)?;
                 FieldValue::Status(state, SetFlags { set: flags, bits })
             }
             Self::Text => FieldValue::Text(core::str::from_utf8(bytes).ok()?.trim_end_matches('\0')),

@@ -14,11 +14,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a message.
+    /// The frame of a message, with the number 0 if its kind has one.
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        Self::written_by(|buffer| write(payload, buffer))
+        Self::written_by(|buffer| write(payload, 0, buffer))
     }
 
     #[inline(always)]
@@ -39,9 +39,13 @@ impl Deref for Frame {
 
 /// Writes the frame of a message to the beginning of `buffer` and returns that part. `buffer` need not be cleared.
 #[inline]
-pub fn write<'buffer, P: Payload>(payload: &P, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
+pub fn write<'buffer, P: Payload>(
+    payload: &P,
+    number: u8,
+    buffer: &'buffer mut [u8; MAX_FRAME],
+) -> &'buffer [u8] {
     let body_len = payload.body_len();
-    payload.put(&mut buffer[1..=body_len]);
+    payload.put(number, &mut buffer[1..=body_len]);
     close(buffer, body_len);
     &buffer[..body_len + OVERHEAD]
 }
@@ -85,7 +89,7 @@ pub enum FrameError {
         /// CRC in the frame.
         found: u32,
     },
-    /// The frame is whole but isn't a message of this protocol version and direction.
+    /// The frame is whole, but of an unknown kind or no message of this direction.
     #[error(transparent)]
     Body(#[from] BodyError),
     /// The stream ended inside a frame.

@@ -6,14 +6,16 @@
 //! # A frame
 //!
 //! ```text
-//! offset  0      1        2 ..            n-5 .. n-2       n-1
-//!         code   kind     fields          CRC-32/ISCSI     0x00
-//!         └ COBS └──────────── stuffed, so never 0x00 ───┘ └ delimiter
+//! offset  0      1      2        3 ..       n-5 .. n-2      n-1
+//!         code   kind   number   fields     CRC-32/ISCSI    0x00
+//!         └ COBS └─────────── stuffed, so never 0x00 ─────┘ └ delimiter
 //! ```
 //!
-//! - All numbers are little endian. Every kind of message has one fixed length, except for [`Telemetry`](message::Telemetry),
-//!   whose last field repeats.
-//! - The CRC covers kind and fields before stuffing.
+//! - All numbers are little endian. A request carries a number, and its answer repeats it; samples, torques and what a drive sends
+//!   unasked have none ([`layout::has_number`]).
+//! - A receiver ignores what follows the fields that it knows: a newer peer may have added some. In
+//!   [`Telemetry`](message::Telemetry) the last field repeats instead. A list of values is open: see [`enums`].
+//! - The CRC covers kind, number and fields before stuffing.
 //! - COBS removes every zero from the frame, so a zero always ends a frame. A receiver that lost synchronisation resumes
 //!   after the next zero.
 //! - No frame is longer than [`MAX_FRAME`] bytes.
@@ -74,6 +76,6 @@ pub mod wire;
 pub use counts::EncoderCounts;
 pub use decoder::{Counters, Decoder};
 pub use frame::{Frame, FrameError};
-pub use limits::{MAX_BODY, MAX_FRAME, PROTOCOL_VERSION};
-pub use message::{DriveMessage, HostMessage, Message};
+pub use limits::{MAX_BODY, MAX_FRAME, MINOR_VERSION, PROTOCOL_VERSION};
+pub use message::{DriveMessage, HostMessage, Message, Numbered};
 pub use telemetry_values::TelemetryValues;

@@ -1,22 +1,24 @@
 //! Declarations that yield a value type, its bytes and its layout together.
 
-/// A closed list of values of one byte. Zero is never a value, so that a cleared byte is rejected.
-///
-/// A value's name is its identifier, unless another name follows after `as`.
-macro_rules! wire_enum {
+/// An open list of values of one byte: a newer peer may send values without a name. Zero is never a value, so that a cleared byte
+/// is rejected.
+macro_rules! wire_list {
     (
         $(#[$meta:meta])*
         pub enum $name:ident {
-            $( $(#[doc = $doc:expr])+ $variant:ident = $value:literal $(as $text:literal)?, )+
+            $( $(#[doc = $doc:expr])+ $variant:ident = $value:literal, )+
         }
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[repr(u8)]
-        pub enum $name { $( $(#[doc = $doc])+ $variant = $value, )+ }
+        pub enum $name {
+            $( $(#[doc = $doc])+ $variant, )+
+            /// A value that this version of the contract has no name for.
+            Unknown($crate::enums::UnknownByte),
+        }
 
         impl $name {
-            /// Every value, in the order of its byte.
+            /// Every value with a name, in the order of its byte.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The list as data, with the identifiers of the specification.
@@ -25,25 +27,49 @@ macro_rules! wire_enum {
                 values: &[$(($value, stringify!($variant))),+],
             };
 
-            /// Name of the value; also its `Display`.
+            /// Name of the value, `unknown` for one without a name.
             #[must_use]
             pub const fn name(self) -> &'static str {
-                match self { $(Self::$variant => wire_enum!(@name $variant $($text)?),)+ }
+                match self {
+                    $(Self::$variant => stringify!($variant),)+
+                    Self::Unknown(_) => "unknown",
+                }
             }
 
-            /// The value with this byte; `None` if the list has no such value.
+            /// Whether this version of the contract has a name for the value.
+            #[must_use]
+            pub const fn is_named(self) -> bool {
+                !matches!(self, Self::Unknown(_))
+            }
+
+            /// The byte on the wire.
+            #[inline]
+            #[must_use]
+            pub const fn byte(self) -> u8 {
+                match self {
+                    $(Self::$variant => $value,)+
+                    Self::Unknown(byte) => byte.get(),
+                }
+            }
+
+            /// The value with this byte; `None` for 0 only.
+            #[inline]
             #[must_use]
             pub const fn from_byte(byte: u8) -> Option<Self> {
                 match byte {
+                    0 => None,
                     $($value => Some(Self::$variant),)+
-                    _ => None,
+                    _ => Some(Self::Unknown($crate::enums::UnknownByte(byte))),
                 }
             }
         }
 
         impl core::fmt::Display for $name {
             fn fmt(&self, out: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                out.pad(self.name())
+                match self {
+                    Self::Unknown(byte) => write!(out, "unknown {}", byte.get()),
+                    named => out.pad(named.name()),
+                }
             }
         }
 
@@ -53,7 +79,7 @@ macro_rules! wire_enum {
 
             #[inline]
             fn put(self, out: &mut [u8]) {
-                out[0] = self as u8;
+                out[0] = self.byte();
             }
 
             #[inline]
@@ -62,8 +88,6 @@ macro_rules! wire_enum {
             }
         }
     };
-    (@name $variant:ident) => { stringify!($variant) };
-    (@name $variant:ident $text:literal) => { $text };
 }
 
 /// The flags of a `bitflags` type as data: `SET`.
@@ -84,6 +108,26 @@ macro_rules! flag_set {
                     flags
                 },
             };
+        }
+    };
+}
+
+/// A `bitflags` type as a field of one byte. Bits without a name are kept: a newer peer may set more.
+macro_rules! wire_flags {
+    ($name:ident) => {
+        impl $crate::wire::Wire for $name {
+            const LEN: usize = 1;
+            const TYPE: $crate::layout::FieldType = $crate::layout::FieldType::Flags(Self::SET);
+
+            #[inline]
+            fn put(self, out: &mut [u8]) {
+                out[0] = self.bits();
+            }
+
+            #[inline]
+            fn get(bytes: &[u8]) -> Option<Self> {
+                Some(Self::from_bits_retain(*bytes.first()?))
+            }
         }
     };
 }
@@ -117,7 +161,7 @@ macro_rules! payload {
         impl $crate::wire::Payload for $name {
             const LAYOUT: $crate::layout::MessageLayout = {
                 const FIELDS: &[$crate::layout::FieldLayout] = &{
-                    let mut end = 1;
+                    let mut end = $crate::layout::fields_at($kind);
                     [$({
                         let offset = end;
                         let len = <$ty as $crate::wire::Wire>::LEN;
@@ -127,6 +171,7 @@ macro_rules! payload {
                             ty: <$ty as $crate::wire::Wire>::TYPE,
                             offset,
                             len,
+                            optional: <$ty as $crate::wire::Wire>::OPTIONAL,
                             meaning: concat!($($field_doc),+),
                         }
                     }),*]
@@ -136,21 +181,25 @@ macro_rules! payload {
                     kind: $kind,
                     direction: $crate::layout::Direction::$direction,
                     fields: FIELDS,
-                    body_len: 1 $(+ <$ty as $crate::wire::Wire>::LEN)*,
-                    element_len: $crate::layout::last_element_len(&[$(<$ty as $crate::wire::Wire>::ELEMENT_LEN),*]),
+                    body_len: $crate::layout::fields_at($kind) $(+ <$ty as $crate::wire::Wire>::LEN)*,
+                    element_len: $crate::layout::last_element_len(FIELDS, &[$(<$ty as $crate::wire::Wire>::ELEMENT_LEN),*]),
                     meaning: concat!($($doc),+),
                 }
             };
 
             #[inline]
             fn body_len(&self) -> usize {
-                1 $(+ $crate::wire::Wire::byte_len(self.$field))*
+                let fields_at = const { $crate::layout::fields_at($kind) };
+                fields_at $(+ $crate::wire::Wire::byte_len(self.$field))*
             }
 
             #[inline]
-            fn put(&self, body: &mut [u8]) {
+            fn put(&self, number: u8, body: &mut [u8]) {
                 body[0] = $kind;
-                let mut at = 1;
+                if const { $crate::layout::has_number($kind) } {
+                    body[1] = number;
+                }
+                let mut at = const { $crate::layout::fields_at($kind) };
                 $({
                     let end = at + $crate::wire::Wire::byte_len(self.$field);
                     $crate::wire::Wire::put(self.$field, &mut body[at..end]);
@@ -161,16 +210,13 @@ macro_rules! payload {
             #[inline]
             fn get(body: &[u8]) -> Result<Self, $crate::wire::BodyError> {
                 $crate::wire::check_len::<Self>(body.len())?;
-                let mut at = 1;
+                let mut at = const { $crate::layout::fields_at($kind) };
                 $(
-                    let end = match <$ty as $crate::wire::Wire>::ELEMENT_LEN {
-                        None => at + <$ty as $crate::wire::Wire>::LEN,
-                        Some(_) => body.len(),
-                    };
-                    let $field = <$ty as $crate::wire::Wire>::get(&body[at..end]).ok_or(
+                    let bytes = $crate::wire::field_bytes::<$ty>(body, at);
+                    let $field = <$ty as $crate::wire::Wire>::get(bytes).ok_or(
                         $crate::wire::BodyError::Value { name: stringify!($name), field: stringify!($field) },
                     )?;
-                    at = end;
+                    at += bytes.len();
                 )*
                 Ok(Self { $($field),* })
             }
@@ -204,13 +250,14 @@ macro_rules! direction {
                 &[$(<$variant as $crate::wire::Payload>::LAYOUT),+];
 
             #[inline]
-            fn decode_body(body: &[u8]) -> Result<Self, $crate::wire::BodyError> {
+            fn decode_body(body: &[u8]) -> Result<$crate::message::Numbered<Self>, $crate::wire::BodyError> {
                 use $crate::wire::Payload;
-                let kind = body.first().copied().unwrap_or(0);
+                let (kind, number) = $crate::wire::kind_and_number(body);
+                let numbered = |message| $crate::message::Numbered { number, message };
                 $(if kind == $variant::LAYOUT.kind {
-                    return $variant::get(body).map(Self::$variant);
+                    return $variant::get(body).map(Self::$variant).map(numbered);
                 })+
-                Err($crate::wire::BodyError::UnknownKind { kind })
+                Err($crate::wire::BodyError::of_kind(kind, number, Self::LAYOUTS[0].direction))
             }
 
             #[cfg(feature = "fast-path")]
@@ -226,12 +273,16 @@ macro_rules! direction {
 
             #[cfg_attr(feature = "fast-path", inline(always))]
             #[cfg_attr(not(feature = "fast-path"), inline)]
-            fn write_frame<'buffer>(&self, buffer: &'buffer mut [u8; $crate::limits::MAX_FRAME]) -> &'buffer [u8] {
+            fn write_numbered<'buffer>(
+                &self,
+                number: u8,
+                buffer: &'buffer mut [u8; $crate::limits::MAX_FRAME],
+            ) -> &'buffer [u8] {
                 #[cfg(feature = "fast-path")]
                 if let Self::$periodic(payload) = self {
                     return $crate::fast_path::write(payload, buffer);
                 }
-                self.write_frame_of_any_kind(buffer)
+                self.write_frame_of_any_kind(number, buffer)
             }
         }
 
@@ -240,9 +291,10 @@ macro_rules! direction {
             #[cfg_attr(not(feature = "fast-path"), inline)]
             pub(crate) fn write_frame_of_any_kind<'buffer>(
                 &self,
+                number: u8,
                 buffer: &'buffer mut [u8; $crate::limits::MAX_FRAME],
             ) -> &'buffer [u8] {
-                match self { $(Self::$variant(payload) => $crate::frame::write(payload, buffer),)+ }
+                match self { $(Self::$variant(payload) => $crate::frame::write(payload, number, buffer),)+ }
             }
         }
     };

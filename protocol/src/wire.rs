@@ -1,6 +1,6 @@
 //! How each type of field, and a body made of fields, is written to bytes and read back. All checks of a body are here.
 
-use crate::layout::{FieldType, MessageLayout, is_body_len};
+use crate::layout::{Direction, FieldType, MessageLayout, has_number, is_body_len};
 use crate::limits;
 
 /// Type of a field: a fixed number of bytes or, in the last field of a message, a number of equal elements.
@@ -10,6 +10,8 @@ pub trait Wire: Copy {
     /// Length of an element, in bytes, if the number of elements differs between values; else every value is [`Self::LEN`]
     /// bytes long.
     const ELEMENT_LEN: Option<usize> = None;
+    /// Whether a body may end before the field, so that no bytes are a value.
+    const OPTIONAL: bool = false;
     /// Type of the field, for its layout.
     const TYPE: FieldType;
 
@@ -34,8 +36,9 @@ pub trait Payload: Copy {
     /// Length of the body of this message, in bytes.
     fn body_len(&self) -> usize;
 
-    /// Writes kind and fields to `body`, which is exactly [`Self::body_len`] bytes long.
-    fn put(&self, body: &mut [u8]);
+    /// Writes kind, number and fields to `body`, which is exactly [`Self::body_len`] bytes long. A kind without a number ignores
+    /// `number`.
+    fn put(&self, number: u8, body: &mut [u8]);
 
     /// Reads the fields from `body`. The caller has checked the kind byte.
     ///
@@ -47,22 +50,31 @@ pub trait Payload: Copy {
 /// A body with a correct CRC that isn't a message of this protocol version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BodyError {
-    /// No message of this direction has this kind byte.
+    /// A newer peer sent a message that this version doesn't know. The receiver skips it; it isn't refused.
     #[error(
-        "kind {kind:#04x} is not a message of this direction in protocol version {}",
-        limits::PROTOCOL_VERSION
+        "kind {kind:#04x} is not known to protocol version {}.{}",
+        limits::PROTOCOL_VERSION,
+        limits::MINOR_VERSION
     )]
     UnknownKind {
         /// Kind byte received.
         kind: u8,
+        /// Number of the request or answer; 0 if the body has none.
+        number: u8,
     },
-    /// The length of the body is not that of its kind.
-    #[error("{name} takes {expected} bytes, got {found}")]
+    /// The other side sends this kind, as on a line with an echo, or no side does.
+    #[error("kind {kind:#04x} is not a kind of this direction")]
+    OtherDirection {
+        /// Kind byte received.
+        kind: u8,
+    },
+    /// The body is shorter than any of its kind.
+    #[error("{name} takes at least {shortest} bytes, got {found}")]
     Length {
         /// Name of the message.
         name: &'static str,
-        /// Length of the layout, in bytes.
-        expected: usize,
+        /// Length of the shortest body, in bytes.
+        shortest: usize,
         /// Length received, in bytes.
         found: usize,
     },
@@ -88,6 +100,38 @@ pub enum BodyError {
     },
 }
 
+impl BodyError {
+    /// The error of a kind byte that the receiver of messages of `direction` doesn't know.
+    pub(crate) const fn of_kind(kind: u8, number: u8, direction: Direction) -> Self {
+        let sent_in_direction = match direction {
+            Direction::HostToDrive => 0x00 < kind && kind < 0x80,
+            Direction::DriveToHost => 0x80 < kind,
+        };
+        if sent_in_direction { Self::UnknownKind { kind, number } } else { Self::OtherDirection { kind } }
+    }
+}
+
+/// The kind byte of a body, and its number; 0 for what the body doesn't have.
+#[inline]
+pub(crate) fn kind_and_number(body: &[u8]) -> (u8, u8) {
+    match *body {
+        [kind, number, ..] if has_number(kind) => (kind, number),
+        [kind, ..] => (kind, 0),
+        [] => (0, 0),
+    }
+}
+
+/// The bytes of a field that begins at `at` in a body whose length is checked; none if the body ends before or inside an optional
+/// field.
+#[inline]
+pub(crate) fn field_bytes<W: Wire>(body: &[u8], at: usize) -> &[u8] {
+    let end = match W::ELEMENT_LEN {
+        None => at + W::LEN,
+        Some(_) => body.len(),
+    };
+    if W::OPTIONAL { body.get(at..end).unwrap_or_default() } else { &body[at..end] }
+}
+
 /// Checks the length of a body, in bytes.
 ///
 /// # Errors
@@ -101,7 +145,7 @@ pub(crate) fn check_len<P: Payload>(found: usize) -> Result<(), BodyError> {
         return Ok(());
     }
     Err(match element_len {
-        None => BodyError::Length { name, expected: longest, found },
+        None => BodyError::Length { name, shortest, found },
         Some(step) => BodyError::Elements { name, longest, step, found },
     })
 }
@@ -126,3 +170,27 @@ macro_rules! wire_number {
 }
 
 wire_number!(u8 U8, u16 U16, u32 U32, f32 F32);
+
+/// Four bytes or, at the end of a body, none.
+impl Wire for Option<u32> {
+    const LEN: usize = <u32 as Wire>::LEN;
+    const OPTIONAL: bool = true;
+    const TYPE: FieldType = <u32 as Wire>::TYPE;
+
+    #[inline]
+    fn byte_len(self) -> usize {
+        self.map_or(0, Wire::byte_len)
+    }
+
+    #[inline]
+    fn put(self, out: &mut [u8]) {
+        if let Some(value) = self {
+            value.put(out);
+        }
+    }
+
+    #[inline]
+    fn get(bytes: &[u8]) -> Option<Self> {
+        Some(u32::get(bytes))
+    }
+}

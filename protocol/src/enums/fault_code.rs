@@ -1,6 +1,6 @@
 //! The causes of a latched fault.
 
-wire_enum! {
+wire_list! {
     /// Cause of a latched fault.
     pub enum FaultCode {
         /// No sample within the watchdog time. `value` and `limit` in seconds.

@@ -1,6 +1,6 @@
 //! The severity of a log text.
 
-wire_enum! {
+wire_list! {
     /// Severity of a log text.
     pub enum LogLevel {
         /// Detail for the search of a cause.

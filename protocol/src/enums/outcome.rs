@@ -1,6 +1,6 @@
 //! The outcome of a request.
 
-wire_enum! {
+wire_list! {
     /// Outcome of a request.
     pub enum Outcome {
         /// The drive carried out the request.
@@ -19,12 +19,17 @@ wire_enum! {
         OutOfRange = 7,
         /// The sample is older than the last sample taken, too far ahead of it, or not 0 after a start.
         OutOfSequence = 8,
-        /// The parameters, each within its range, contradict each other, or the law in force lacks a subscribed signal; a log
-        /// text names the cause.
+        /// The parameters, each within its range, contradict each other. `detail` is the index of one that doesn't go with the
+        /// others.
         Inconsistent = 9,
-        /// Bench mode: the power stage reports a fault.
+        /// Bench mode: the power stage reports a fault. `detail` is 1 for the break input and 2 for the fault line.
         PowerStageFault = 10,
-        /// Bench mode: an encoder gave no reading, moved faster than is plausible, or changed both channels at once.
+        /// Bench mode: the readings of an encoder allow no torque. `detail` is 1 if the encoders were not read yet, 2 or 3 if the
+        /// motor or the load encoder moved faster than is plausible, 4 or 5 if both its channels changed at once.
         EncoderImplausible = 11,
+        /// The drive doesn't know requests of this kind.
+        UnknownRequest = 12,
+        /// The law in force lacks a subscribed signal. `detail` is the index of the signal.
+        SignalOfOtherLaw = 13,
     }
 }

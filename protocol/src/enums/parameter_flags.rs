@@ -1,8 +1,5 @@
 //! Properties of a parameter, as flags of its description.
 
-use crate::layout::FieldType;
-use crate::wire::Wire;
-
 bitflags::bitflags! {
     /// Properties of a parameter.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,26 +12,12 @@ bitflags::bitflags! {
 }
 
 flag_set!(ParameterFlags);
-
-impl Wire for ParameterFlags {
-    const LEN: usize = 1;
-    const TYPE: FieldType = FieldType::Flags(Self::SET);
-
-    #[inline]
-    fn put(self, out: &mut [u8]) {
-        out[0] = self.bits();
-    }
-
-    /// Keeps bits without a name: a newer drive may set more.
-    #[inline]
-    fn get(bytes: &[u8]) -> Option<Self> {
-        u8::get(bytes).map(Self::from_bits_retain)
-    }
-}
+wire_flags!(ParameterFlags);
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::Wire;
 
     #[test]
     fn bits_without_a_name_are_kept() {

@@ -2,10 +2,11 @@
 
 use core::fmt;
 
+use crate::enums::unknown_byte::UnknownByte;
 use crate::layout::FieldType;
 use crate::wire::Wire;
 
-wire_enum! {
+wire_list! {
     /// Type of a parameter's value.
     pub enum ParameterType {
         /// Unsigned integer, 4 bytes.
@@ -22,6 +23,13 @@ pub enum ParameterValue {
     U32(u32),
     /// A real number.
     F32(f32),
+    /// A value of a type that this version doesn't know.
+    Unknown {
+        /// Byte of the type.
+        ty: UnknownByte,
+        /// The value as received.
+        bytes: [u8; 4],
+    },
 }
 
 impl ParameterValue {
@@ -31,6 +39,7 @@ impl ParameterValue {
         match self {
             Self::U32(_) => ParameterType::U32,
             Self::F32(_) => ParameterType::F32,
+            Self::Unknown { ty, .. } => ParameterType::Unknown(ty),
         }
     }
 }
@@ -40,6 +49,7 @@ impl fmt::Display for ParameterValue {
         match self {
             Self::U32(value) => value.fmt(out),
             Self::F32(value) => value.fmt(out),
+            Self::Unknown { bytes, .. } => write!(out, "{:#010x}", u32::from_le_bytes(*bytes)),
         }
     }
 }
@@ -50,10 +60,11 @@ impl Wire for ParameterValue {
 
     #[inline]
     fn put(self, out: &mut [u8]) {
-        out[0] = self.ty() as u8;
+        out[0] = self.ty().byte();
         match self {
             Self::U32(value) => value.put(&mut out[1..]),
             Self::F32(value) => value.put(&mut out[1..]),
+            Self::Unknown { bytes, .. } => out[1..].copy_from_slice(&bytes),
         }
     }
 
@@ -62,6 +73,7 @@ impl Wire for ParameterValue {
         match ParameterType::from_byte(bytes[0])? {
             ParameterType::U32 => u32::get(&bytes[1..]).map(Self::U32),
             ParameterType::F32 => f32::get(&bytes[1..]).map(Self::F32),
+            ParameterType::Unknown(ty) => Some(Self::Unknown { ty, bytes: bytes[1..].try_into().ok()? }),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The state of a drive.
 
-wire_enum! {
+wire_list! {
     /// State of the drive.
     pub enum State {
         /// Powered, no handshake yet with a host of the same protocol version. Torque is zero.

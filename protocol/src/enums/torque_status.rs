@@ -36,16 +36,18 @@ impl TorqueStatus {
     #[inline]
     #[must_use]
     pub const fn byte(self) -> u8 {
-        self.state as u8 | self.flags.bits()
+        (self.state.byte() & Self::STATE_MASK) | (self.flags.bits() & !Self::STATE_MASK)
     }
 
-    /// State and flags of a byte; `None` for a state or a flag without a name.
+    /// State and flags of a byte, those without a name included; `None` for a state of 0 only.
     #[inline]
     #[must_use]
     pub const fn from_byte(byte: u8) -> Option<Self> {
-        match (State::from_byte(byte & Self::STATE_MASK), TorqueFlags::from_bits(byte & !Self::STATE_MASK)) {
-            (Some(state), Some(flags)) => Some(Self { state, flags }),
-            _ => None,
+        match State::from_byte(byte & Self::STATE_MASK) {
+            Some(state) => {
+                Some(Self { state, flags: TorqueFlags::from_bits_retain(byte & !Self::STATE_MASK) })
+            }
+            None => None,
         }
     }
 }
@@ -54,7 +56,7 @@ const _: () = {
     assert!(TorqueFlags::all().bits() & TorqueStatus::STATE_MASK == 0, "flags lie above the state");
     let mut at = 0;
     while at < State::ALL.len() {
-        assert!(State::ALL[at] as u8 & !TorqueStatus::STATE_MASK == 0, "a state has four bits");
+        assert!(State::ALL[at].byte() & !TorqueStatus::STATE_MASK == 0, "a state has four bits");
         at += 1;
     }
 };

@@ -2,23 +2,23 @@
 //!
 //! | kind | message | frame bytes | when |
 //! |---|---|---|---|
-//! | `0x81` | [`Identity`] | 52 | answers `Hello` |
-//! | `0x82` | [`ParameterDescription`] | 63 | answers `DescribeParameter` |
-//! | `0x83` | [`ParameterReport`] | 15 | answers `GetParameter` and `SetParameter` |
-//! | `0x85` | [`CommandResult`] | 10 | answers every other request, and a sample that the drive rejects |
-//! | `0x86` | [`LawDescription`] | 36 | answers `DescribeLaw` |
-//! | `0x87` | [`SignalDescription`] | 52 | answers `DescribeSignal` |
-//! | `0x88` | [`ChoiceDescription`] | 37 | answers `DescribeChoice` |
+//! | `0x81` | [`Identity`] | 55 to 59 | answers `Hello` |
+//! | `0x82` | [`ParameterDescription`] | 64 | answers `DescribeParameter` |
+//! | `0x83` | [`ParameterReport`] | 20 to 24 | answers `GetParameter` and `SetParameter` |
+//! | `0x84` | [`LineReport`] | 24 to 28 | answers `Stop`, before its `CommandResult` |
+//! | `0x85` | [`CommandResult`] | 15 to 19 | answers every other request, and a sample that the drive rejects |
+//! | `0x86` | [`LawDescription`] | 37 | answers `DescribeLaw` |
+//! | `0x87` | [`SignalDescription`] | 53 | answers `DescribeSignal` |
+//! | `0x88` | [`ChoiceDescription`] | 38 | answers `DescribeChoice` |
 //! | `0x90` | [`TorqueAnswer`] | 16 | answers `EncoderSample`, before any other message that the sample causes |
 //! | `0x91` | [`Telemetry`] | 13 to 61 | after every n-th torque while running, if the host subscribed |
-//! | `0x92` | [`FaultReport`] | 22 | when the drive latches a fault, and after an `Identity` while a fault is latched |
-//! | `0x93` | [`Log`] | 60 | any time |
-//! | `0x94` | [`LineReport`] | 23 | answers `Stop`, before its `CommandResult` |
+//! | `0x92` | [`FaultReport`] | 22 to 26 | when the drive latches a fault, and after an `Identity` while a fault is latched |
+//! | `0x93` | [`Log`] | 60 to 64 | any time |
 //! | `0x95` | [`BenchSample`] | 26 | after every n-th control step of bench mode |
 
 use crate::counts::EncoderCounts;
 use crate::enums::{
-    FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueStatus, Version,
+    Capabilities, FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueStatus, Version,
 };
 use crate::telemetry_values::TelemetryValues;
 use crate::text::{ChoiceName, LawName, ParameterName, SignalName, Text, UnitName};
@@ -31,6 +31,8 @@ messages! {
     0x81 Identity {
         /// Protocol version of the drive.
         protocol_version: u8,
+        /// Minor version of the drive.
+        minor_version: u8,
         /// Session of the `Hello` that this message answers.
         session: u32,
         /// Version of the firmware.
@@ -53,8 +55,12 @@ messages! {
         law_count: u8,
         /// Number of signals, 0 to 32.
         signal_count: u8,
-        /// Number of parameters.
+        /// Number of parameters, 0 to 240.
         parameter_count: u8,
+        /// What the drive can do beyond what every drive must.
+        capabilities: Capabilities,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
     }
 
     /// Name, unit, type, range, flags and laws of a parameter.
@@ -88,6 +94,24 @@ messages! {
         value: ParameterValue,
         /// State of the drive.
         state: State,
+        /// Further detail, as defined by the outcome; else 0.
+        detail: u32,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
+    }
+
+    /// Receive statistics of the drive since the start of the run.
+    0x84 LineReport {
+        /// Messages received, those of unknown kinds included.
+        messages: u32,
+        /// Damaged frames.
+        damaged: u32,
+        /// Whole frames that the drive refused.
+        refused: u32,
+        /// Bytes lost in the receiver before framing.
+        overruns: u32,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
     }
 
     /// Outcome of a request that has no answer of its own.
@@ -98,6 +122,10 @@ messages! {
         outcome: Outcome,
         /// State after the request.
         state: State,
+        /// Further detail, as defined by the outcome; else 0.
+        detail: u32,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
     }
 
     /// Name of a control law.
@@ -121,9 +149,9 @@ messages! {
         unit: UnitName,
     }
 
-    /// Name of a value of a parameter with choices.
+    /// Name of a value of a parameter with choices, or of a value of one of the drive's lists.
     0x88 ChoiceDescription {
-        /// Index of the parameter.
+        /// Index of the parameter, or number of the list.
         parameter: u8,
         /// The value that has this name.
         choice: u8,
@@ -163,6 +191,8 @@ messages! {
         limit: f32,
         /// Further detail, as defined by the code.
         detail: u32,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
     }
 
     /// A log text of the firmware.
@@ -171,18 +201,8 @@ messages! {
         level: LogLevel,
         /// Text, without a line end.
         text: Text<52>,
-    }
-
-    /// Receive statistics of the drive since the start of the run.
-    0x94 LineReport {
-        /// Messages received.
-        messages: u32,
-        /// Damaged frames.
-        damaged: u32,
-        /// Whole frames that aren't messages of this protocol version.
-        refused: u32,
-        /// Bytes lost in the receiver before framing.
-        overruns: u32,
+        /// Device time of the message, in us; wraps around. Absent if the drive has no clock.
+        device_time_us: Option<u32>,
     }
 
     /// Bench mode: what the drive measured and applied in one control period.

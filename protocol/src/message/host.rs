@@ -2,36 +2,39 @@
 //!
 //! | kind | message | frame bytes | when |
 //! |---|---|---|---|
-//! | `0x01` | [`Hello`] | 12 | first of all, repeated until answered; keeps the session alive |
-//! | `0x02` | [`DescribeParameter`] | 8 | any time |
-//! | `0x03` | [`GetParameter`] | 8 | any time |
-//! | `0x04` | [`SetParameter`] | 13 | in `Idle`; live parameters also in `Armed` and `Running` |
-//! | `0x05` | [`Arm`] | 11 | in `Idle` |
-//! | `0x06` | [`Start`] | 11 | in `Armed` |
-//! | `0x07` | [`Stop`] | 7 | in `Idle`, `Armed` and `Running` |
-//! | `0x08` | [`EmergencyStop`] | 7 | any time |
-//! | `0x09` | [`ClearFault`] | 7 | in `Faulted` |
-//! | `0x0a` | [`Reset`] | 7 | any time |
-//! | `0x0b` | [`DescribeLaw`] | 8 | any time |
-//! | `0x0c` | [`DescribeSignal`] | 8 | any time |
-//! | `0x0d` | [`DescribeChoice`] | 9 | any time |
-//! | `0x0e` | [`Subscribe`] | 13 | in `Idle`, `Armed` and `Running` |
+//! | `0x01` | [`Hello`] | 14 | first of all, repeated until answered; keeps the session alive |
+//! | `0x02` | [`DescribeParameter`] | 9 | any time |
+//! | `0x03` | [`GetParameter`] | 9 | any time |
+//! | `0x04` | [`SetParameter`] | 14 | in `Idle`; live parameters also in `Armed` and `Running` |
+//! | `0x05` | [`Arm`] | 12 | in `Idle` |
+//! | `0x06` | [`Start`] | 12 | in `Armed` |
+//! | `0x07` | [`Stop`] | 8 | in `Idle`, `Armed` and `Running` |
+//! | `0x08` | [`EmergencyStop`] | 8 | any time |
+//! | `0x09` | [`ClearFault`] | 8 | in `Faulted` |
+//! | `0x0a` | [`Reset`] | 8 | any time |
+//! | `0x0b` | [`DescribeLaw`] | 9 | any time |
+//! | `0x0c` | [`DescribeSignal`] | 9 | any time |
+//! | `0x0d` | [`DescribeChoice`] | 10 | any time |
+//! | `0x0e` | [`Subscribe`] | 14 | in `Idle`, `Armed` and `Running` |
+//! | `0x0f` | [`EnterLoader`] | 12 | in `Idle`, to write another firmware |
 //! | `0x10` | [`EncoderSample`] | 19 | once in a control period of HIL mode |
 //! | `0x11` | [`Reference`] | 13 | once in a control period of bench mode |
-//! | `0x12` | [`EnterLoader`] | 11 | in `Idle`, to write another firmware |
 
 use crate::counts::EncoderCounts;
 use crate::enums::ParameterValue;
+use crate::limits::{MINOR_VERSION, PROTOCOL_VERSION};
 
 messages! {
     /// A message of the host.
     pub enum HostMessage: HostToDrive, in every period EncoderSample;
 
     /// Opens a session. A new session number makes the drive disarm and enter `Idle`; the number of the open session
-    /// changes nothing and requests the identity only.
+    /// changes nothing and requests the identity only. Same layout in every protocol version.
     0x01 Hello {
         /// Protocol version of the host.
         protocol_version: u8,
+        /// Minor version of the host.
+        minor_version: u8,
         /// Number of the session, chosen by the host. It distinguishes the answers from those to an earlier host.
         session: u32,
     }
@@ -92,11 +95,11 @@ messages! {
         index: u8,
     }
 
-    /// Requests the name of a value of a parameter with choices.
+    /// Requests the name of a value of a parameter with choices, or of a value of one of the drive's lists.
     0x0d DescribeChoice {
-        /// Index of the parameter.
+        /// Index of the parameter, or one of the numbers of a list in [`limits`](crate::limits).
         parameter: u8,
-        /// The value, from the smallest to the largest of the parameter.
+        /// The value, from the smallest to the largest of the parameter; of a list its byte.
         choice: u8,
     }
 
@@ -106,6 +109,12 @@ messages! {
         signals: u32,
         /// Telemetry follows the torque of every sample whose sequence is a multiple of this number; 0 ends telemetry.
         every: u16,
+    }
+
+    /// Ends the firmware and starts the boot loader of the chip, which takes another firmware.
+    0x0f EnterLoader {
+        /// Session opened by `Hello`.
+        session: u32,
     }
 
     /// Readings of the two encoders at the start of a control period.
@@ -127,10 +136,12 @@ messages! {
         /// Reference position of the load, in rad.
         reference_rad: f32,
     }
+}
 
-    /// Ends the firmware and starts the boot loader of the chip, which takes another firmware.
-    0x12 EnterLoader {
-        /// Session opened by `Hello`.
-        session: u32,
+impl Hello {
+    /// Opens this session with the versions of this crate.
+    #[must_use]
+    pub const fn new(session: u32) -> Self {
+        Self { protocol_version: PROTOCOL_VERSION, minor_version: MINOR_VERSION, session }
     }
 }

@@ -8,4 +8,4 @@ mod interface;
 
 pub use drive::*;
 pub use host::*;
-pub use interface::Message;
+pub use interface::{Message, Numbered};

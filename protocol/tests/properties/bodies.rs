@@ -1,7 +1,7 @@
 //! Arbitrary bodies, generated from the layouts, so that a new kind of message is covered without a change here.
 
 use lashloop_protocol::layout::{FieldType, MessageLayout};
-use lashloop_protocol::{Message, cobs, crc};
+use lashloop_protocol::{MAX_BODY, Message, cobs, crc};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -14,7 +14,7 @@ pub fn body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
 /// The body of any message of one direction, with any bytes in its fields.
 pub fn wild_body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
     select(M::LAYOUTS).prop_flat_map(|layout| {
-        vec(any::<u8>(), layout.shortest_body_len()..=layout.body_len).prop_map(move |mut body| {
+        vec(any::<u8>(), layout.shortest_body_len()..=MAX_BODY).prop_map(move |mut body| {
             body[0] = layout.kind;
             body
         })
@@ -30,25 +30,29 @@ pub fn frame_around(body: &[u8]) -> Vec<u8> {
 }
 
 fn of_layout(layout: &MessageLayout) -> BoxedStrategy<Vec<u8>> {
-    layout.fields.iter().fold(Just(vec![layout.kind]).boxed(), |body, field| {
-        (body, value_of(&field.ty, field.len)).prop_map(|(body, field)| [body, field].concat()).boxed()
+    let head = vec(any::<u8>(), usize::from(layout.has_number()));
+    let head = head.prop_map({
+        let kind = layout.kind;
+        move |number| [vec![kind], number].concat()
+    });
+    layout.fields.iter().fold(head.boxed(), |body, field| {
+        let value = value_of(&field.ty, field.len);
+        let value = if field.optional { prop_oneof![Just(vec![]), value].boxed() } else { value };
+        (body, value).prop_map(|(body, field)| [body, field].concat()).boxed()
     })
 }
 
 fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
     match *ty {
-        FieldType::Enum(list) => select(list.values).prop_map(|(byte, _)| vec![byte]).boxed(),
+        FieldType::Enum(_) => (1..=u8::MAX).prop_map(|byte| vec![byte]).boxed(),
         FieldType::Flags(_) => any::<u8>().prop_map(|bits| vec![bits]).boxed(),
-        FieldType::Status { states, flags } => {
-            let all = flags.flags.iter().fold(0, |all, (mask, _)| all | mask);
-            (value_of(&FieldType::Enum(states), len), any::<u8>())
-                .prop_map(move |(state, flags)| vec![state[0] | flags & all])
-                .boxed()
+        FieldType::Status { .. } => {
+            (1..=0x0f_u8, any::<u8>()).prop_map(|(state, flags)| vec![state | flags & 0xf0]).boxed()
         }
         FieldType::F32Repeated => (1..=len / 4).prop_flat_map(|count| edgy(4 * count)).boxed(),
         FieldType::Text => text(len).boxed(),
         FieldType::ParameterValue => {
-            (1..=2_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()
+            (1..=4_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()
         }
         FieldType::U8
         | FieldType::U16

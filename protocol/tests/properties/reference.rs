@@ -4,12 +4,13 @@
 use std::fmt::Debug;
 
 use lashloop_protocol::frame::FrameError;
-use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message, Numbered};
 
 /// Contents of a stream.
 struct Contents<M> {
-    items: Vec<Result<M, FrameError>>,
-    /// Bytes in good frames.
+    items: Vec<Result<Numbered<M>, FrameError>>,
+    /// Bytes in good frames, those of unknown kinds included.
     good: usize,
     /// Bytes in bad frames.
     bad: usize,
@@ -24,7 +25,10 @@ struct Contents<M> {
 ///
 /// # Panics
 /// If they differ.
-pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Result<M, FrameError>> {
+pub fn check<M: Message + Debug>(
+    stream: &[u8],
+    piece_lens: &[usize],
+) -> Vec<Result<Numbered<M>, FrameError>> {
     let expected = contents::<M>(stream);
     let mut decoder = Decoder::new();
     let mut found = Vec::new();
@@ -62,9 +66,15 @@ pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Res
 }
 
 /// Equal in every bit, NaN included, for which `==` of the messages fails.
-fn same<M: Message>(found: &Result<M, FrameError>, expected: &Result<M, FrameError>) -> bool {
+fn same<M: Message>(
+    found: &Result<Numbered<M>, FrameError>,
+    expected: &Result<Numbered<M>, FrameError>,
+) -> bool {
     match (found, expected) {
-        (Ok(found), Ok(expected)) => found.frame()[..] == expected.frame()[..],
+        (Ok(found), Ok(expected)) => {
+            let [found, expected] = [found, expected].map(|item| item.message.numbered_frame(item.number));
+            found[..] == expected[..]
+        }
         (Err(found), Err(expected)) => found == expected,
         _ => false,
     }
@@ -80,8 +90,13 @@ fn count<M>(contents: &Contents<M>) -> Counters {
         oversized: count(|error| matches!(error, FrameError::Oversized { .. })),
         malformed: count(|error| matches!(error, FrameError::Stuffing { .. } | FrameError::TooShort { .. })),
         crc_errors: count(|error| matches!(error, FrameError::Crc { .. })),
-        refused: count(|error| matches!(error, FrameError::Body(_))),
+        refused: count(|error| matches!(error, FrameError::Body(_)) && !is_unknown(error)),
+        unknown: count(is_unknown),
     }
+}
+
+fn is_unknown(error: &FrameError) -> bool {
+    matches!(error, FrameError::Body(BodyError::UnknownKind { .. }))
 }
 
 fn contents<M: Message>(stream: &[u8]) -> Contents<M> {
@@ -96,7 +111,8 @@ fn contents<M: Message>(stream: &[u8]) -> Contents<M> {
             continue;
         }
         let item = open(stuffed).and_then(|body| Ok(M::decode_body(&body)?));
-        *(if item.is_ok() { &mut contents.good } else { &mut contents.bad }) += piece.len();
+        *(if item.as_ref().err().is_none_or(is_unknown) { &mut contents.good } else { &mut contents.bad }) +=
+            piece.len();
         contents.items.push(item);
     }
     contents

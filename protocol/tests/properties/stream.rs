@@ -1,7 +1,7 @@
 //! Streams with every kind of damage on a line, in pieces of every size.
 
 use lashloop_protocol::frame::FrameError;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message, Numbered};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -72,8 +72,8 @@ fn line() -> impl Strategy<Value = Vec<u8>> {
     vec(stretch(), 0..24).prop_map(|stretches| stretches.iter().flat_map(Stretch::bytes).collect())
 }
 
-fn good_messages(items: &[Result<HostMessage, FrameError>]) -> Vec<Vec<u8>> {
-    items.iter().flatten().map(|message| message.frame().to_vec()).collect()
+fn good_messages(items: &[Result<Numbered<HostMessage>, FrameError>]) -> Vec<Vec<u8>> {
+    items.iter().flatten().map(|item| item.message.numbered_frame(item.number).to_vec()).collect()
 }
 
 proptest! {

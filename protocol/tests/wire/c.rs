@@ -5,13 +5,15 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::hex::Hex;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::Telemetry;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message, TelemetryValues, cobs};
+use lashloop_protocol::message::{CommandResult, Telemetry};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, Numbered, TelemetryValues, cobs, crc};
 
 use crate::data_sheet::body_of;
-use crate::examples;
+use crate::examples::{self, NUMBER};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -40,12 +42,21 @@ fn program() -> Option<PathBuf> {
     }
 }
 
-/// The frame of every message, with its kind and the length of its body.
+/// A frame around any body.
+fn frame_around(body: &[u8]) -> Vec<u8> {
+    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
+    cobs::stuff(&mut frame);
+    frame.push(0);
+    frame
+}
+
+/// The frame of every message, with its kind, its number and the length of its body.
 fn frame_cases<M: Message>(messages: &[M]) -> String {
     let mut cases = String::new();
     for message in messages {
-        let (layout, frame) = (message.layout(), message.frame());
-        let _ = writeln!(cases, "frame {} {} {}", layout.kind, body_of(message).len(), Hex(&frame));
+        let (layout, frame) = (message.layout(), message.numbered_frame(NUMBER));
+        let (number, len) = (if layout.has_number() { NUMBER } else { 0 }, body_of(message).len());
+        let _ = writeln!(cases, "frame {} {number} {len} {}", layout.kind, Hex(&frame));
     }
     cases
 }
@@ -85,13 +96,13 @@ fn value_cases() -> String {
         Hex(&torque_frame),
         torque.sequence,
         torque.torque_nm.to_bits(),
-        torque.status.state as u8,
+        torque.status.state.byte(),
         torque.status.flags.bits(),
         torque.compute_tenths_us,
     )
 }
 
-/// Telemetry with each number of values, and the lengths next to those of every kind.
+/// Telemetry with each number of values.
 fn telemetry_cases() -> String {
     let mut cases = String::new();
     let values: Vec<f32> = (0..MAX_TELEMETRY_VALUES).map(|at| 0.1 - at as f32).collect();
@@ -104,10 +115,55 @@ fn telemetry_cases() -> String {
         }
         cases.push('\n');
     }
-    for layout in HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS) {
-        for len in (0..=MAX_FRAME).filter(|len| !layout.takes(*len)) {
-            let _ = writeln!(cases, "length {} {len}", layout.kind);
+    cases
+}
+
+/// A result with and without device time, of values with and without a name, with every number of bytes after it.
+fn result_cases() -> String {
+    let mut cases = String::new();
+    let unknown = (Outcome::from_byte(77), State::from_byte(9));
+    for (outcome, state) in [(Some(Outcome::Inconsistent), Some(State::Idle)), unknown] {
+        let (outcome, state) = (outcome.expect("not 0"), state.expect("not 0"));
+        for device_time_us in [None, Some(0x4030_2010)] {
+            let result = CommandResult { request: 0x05, outcome, state, detail: 0x0403_0201, device_time_us };
+            let message = DriveMessage::from(result);
+            let mut body = body_of(&message);
+            // A fourth byte after a result without device time would complete one.
+            let longest = if device_time_us.is_none() { body.len() + 3 } else { MAX_BODY };
+            while body.len() <= longest {
+                assert_eq!(DriveMessage::decode_body(&body), Ok(Numbered { number: NUMBER, message }));
+                let (outcome, state, time) = (outcome.byte(), state.byte(), device_time_us.unwrap_or(0));
+                let has_time = u8::from(device_time_us.is_some());
+                let values = format!("{outcome} {state} {} {has_time} {time}", result.detail);
+                let _ = writeln!(cases, "result {} {NUMBER} 5 {values}", Hex(&frame_around(&body)));
+                body.push(0xa5);
+            }
         }
+    }
+    cases
+}
+
+/// What a receiver of these messages makes of each of them cut or extended to every length, and of every kind.
+fn taken_cases<M: Message>(sender: &str, messages: &[M]) -> String {
+    let mut cases = String::new();
+    let mut add = |body: &[u8]| {
+        let (verdict, number) = match M::decode_body(body) {
+            Ok(numbered) => ("known", numbered.number),
+            Err(BodyError::UnknownKind { number, .. }) => ("unknown", number),
+            Err(_) => ("refused", 0),
+        };
+        let _ = writeln!(cases, "taken {sender} {verdict} {number} {}", Hex(&frame_around(body)));
+    };
+    for message in messages {
+        let extended = [body_of(message), vec![0xa5; MAX_BODY]].concat();
+        for len in 1..=MAX_BODY {
+            add(&extended[..len]);
+        }
+    }
+    for kind in 0..=u8::MAX {
+        add(&[kind]);
+        // Each byte is a value of any type of field.
+        add(&[&[kind, NUMBER][..], &[0x11; MAX_BODY - 2]].concat());
     }
     cases
 }
@@ -115,11 +171,15 @@ fn telemetry_cases() -> String {
 #[test]
 fn c_reads_and_writes_the_golden_frames() {
     let Some(program) = program() else { return };
-    let cases = frame_cases(&examples::from_host())
-        + &frame_cases(&examples::from_drive())
+    let (host, drive) = (examples::from_host(), examples::from_drive());
+    let cases = frame_cases(&host)
+        + &frame_cases(&drive)
         + &bad_cases()
         + &value_cases()
-        + &telemetry_cases();
+        + &telemetry_cases()
+        + &result_cases()
+        + &taken_cases("host", &host)
+        + &taken_cases("drive", &drive);
     let mut child = Command::new(&program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -7,21 +7,41 @@ use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
 use lashloop_protocol::{Message, crc, frame};
 
-/// The body of a frame of ours.
+use crate::examples::NUMBER;
+
+/// The body in the frame of an example.
 pub fn body_of<M: Message>(message: &M) -> Vec<u8> {
-    let frame = message.frame();
+    numbered_body(NUMBER, message)
+}
+
+fn numbered_body<M: Message>(number: u8, message: &M) -> Vec<u8> {
+    let frame = message.numbered_frame(number);
     let mut stuffed = frame[..frame.len() - 1].to_vec();
     frame::open(&mut stuffed).expect("an encoded frame is valid").to_vec()
 }
 
-/// The data sheet of a message, from its layout and from the bytes of its frame.
+/// The data sheet of an example.
 pub fn data_sheet<M: Message>(message: &M) -> String {
-    let (layout, frame, body) = (message.layout(), message.frame(), body_of(message));
+    numbered_sheet(NUMBER, message)
+}
+
+/// The data sheet of a message with this number, from its layout and from the bytes of its frame. An optional field that is absent
+/// has no row.
+pub fn numbered_sheet<M: Message>(number: u8, message: &M) -> String {
+    let (layout, frame) = (message.layout(), message.numbered_frame(number));
+    let body = numbered_body(number, message);
     let mut sheet = heading(layout, body.len(), frame.len());
     row(&mut sheet, 0, "kind", "u8", &format!("{:#04x}", body[0]), &body[..1]);
+    if layout.has_number() {
+        row(&mut sheet, 1, "number", "u8", &number.to_string(), &body[1..2]);
+    }
     for field in layout.fields {
-        let (value, bytes) = field.value(&body).zip(field.bytes(&body)).expect("a field of this body");
-        row(&mut sheet, field.offset, field.name, &type_name(field), &text_of(value), bytes);
+        match field.value(&body).zip(field.bytes(&body)) {
+            Some((value, bytes)) => {
+                row(&mut sheet, field.offset, field.name, &type_name(field), &text_of(value), bytes);
+            }
+            None => assert!(field.optional, "{}.{} is a field of this body", layout.name, field.name),
+        }
     }
     let crc = crc::checksum(&body);
     row(&mut sheet, body.len(), "crc", "crc32c", &format!("{crc:#010x}"), &crc.to_le_bytes());
@@ -69,7 +89,7 @@ pub fn type_name(field: &FieldLayout) -> String {
     }
 }
 
-/// Length of the frames of a kind, in bytes, in the notation of the specification.
+/// Length of the frames of a kind that this version sends, in bytes, in the notation of the specification.
 pub fn frame_bytes_of(layout: &MessageLayout) -> String {
     let (shortest, longest) = (layout.shortest_body_len() + frame::OVERHEAD, layout.frame_len());
     if shortest == longest { longest.to_string() } else { format!("{shortest} to {longest}") }

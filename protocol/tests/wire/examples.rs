@@ -1,7 +1,8 @@
 //! One message of each kind, with values that show the byte order and contain zeros.
 
 use lashloop_protocol::enums::{
-    FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
+    Capabilities, FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags,
+    TorqueStatus, Version,
 };
 use lashloop_protocol::message::{
     Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw,
@@ -10,7 +11,15 @@ use lashloop_protocol::message::{
     Reset, SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
+use lashloop_protocol::{
+    DriveMessage, EncoderCounts, HostMessage, MINOR_VERSION, PROTOCOL_VERSION, TelemetryValues,
+};
+
+/// Number of the request in every example whose kind has one.
+pub const NUMBER: u8 = 200;
+
+/// Device time in every example that has one.
+const DEVICE_TIME_US: Option<u32> = Some(0x0102_0304);
 
 /// A session number whose four bytes differ.
 const SESSION: u32 = 0x4c41_5348;
@@ -36,7 +45,7 @@ pub fn telemetry_values() -> TelemetryValues {
 
 pub fn from_host() -> Vec<HostMessage> {
     vec![
-        Hello { protocol_version: PROTOCOL_VERSION, session: SESSION }.into(),
+        Hello::new(SESSION).into(),
         DescribeParameter { index: 3 }.into(),
         GetParameter { index: 3 }.into(),
         SetParameter { index: 3, value: ParameterValue::F32(25.0) }.into(),
@@ -50,9 +59,9 @@ pub fn from_host() -> Vec<HostMessage> {
         DescribeSignal { index: 2 }.into(),
         DescribeChoice { parameter: 20, choice: 1 }.into(),
         Subscribe { signals: 0b10_0001_0111, every: 10 }.into(),
+        EnterLoader { session: SESSION }.into(),
         SAMPLE.into(),
         Reference { number: 513, reference_rad: -0.25 }.into(),
-        EnterLoader { session: SESSION }.into(),
     ]
 }
 
@@ -60,6 +69,7 @@ pub fn from_drive() -> Vec<DriveMessage> {
     vec![
         Identity {
             protocol_version: PROTOCOL_VERSION,
+            minor_version: MINOR_VERSION,
             session: SESSION,
             firmware: Version { major: 0, minor: 1, patch: 0 },
             build_id: 0x00c0_ffee,
@@ -72,6 +82,8 @@ pub fn from_drive() -> Vec<DriveMessage> {
             law_count: 2,
             signal_count: 10,
             parameter_count: 27,
+            capabilities: Capabilities::DEVICE_TIME.union(Capabilities::BENCH_MODE),
+            device_time_us: DEVICE_TIME_US,
         }
         .into(),
         ParameterDescription {
@@ -90,9 +102,20 @@ pub fn from_drive() -> Vec<DriveMessage> {
             outcome: Outcome::OutOfRange,
             value: ParameterValue::U32(20_000),
             state: State::Idle,
+            detail: 0,
+            device_time_us: DEVICE_TIME_US,
         }
         .into(),
-        CommandResult { request: 0x06, outcome: Outcome::WrongState, state: State::Boot }.into(),
+        LineReport { messages: 25_003, damaged: 2, refused: 0, overruns: 1, device_time_us: DEVICE_TIME_US }
+            .into(),
+        CommandResult {
+            request: 0x05,
+            outcome: Outcome::Inconsistent,
+            state: State::Idle,
+            detail: 3,
+            device_time_us: DEVICE_TIME_US,
+        }
+        .into(),
         LawDescription { index: 1, name: Text::new("pi-velocity") }.into(),
         SignalDescription {
             index: 2,
@@ -110,10 +133,15 @@ pub fn from_drive() -> Vec<DriveMessage> {
             value: 4000.0,
             limit: 1000.0,
             detail: 0,
+            device_time_us: DEVICE_TIME_US,
         }
         .into(),
-        Log { level: LogLevel::Warning, text: Text::new("crystal does not start, running from HSI") }.into(),
-        LineReport { messages: 25_003, damaged: 2, refused: 0, overruns: 1 }.into(),
+        Log {
+            level: LogLevel::Warning,
+            text: Text::new("crystal does not start, running from HSI"),
+            device_time_us: DEVICE_TIME_US,
+        }
+        .into(),
         BenchSample {
             sequence: 258,
             motor_counts: EncoderCounts::wrapping(98304),

@@ -8,12 +8,12 @@ use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::field_value::{FieldValue, SetFlags};
 use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::FieldLayout;
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MINOR_VERSION, Message, PROTOCOL_VERSION};
 use serde_json::Value;
 
 use crate::data_sheet::body_of;
 use crate::digits::bytes_of;
-use crate::examples;
+use crate::examples::{self, NUMBER};
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/v1.json");
 
@@ -22,7 +22,7 @@ fn document() -> String {
     let frames: Vec<String> =
         (examples::from_host().iter().map(entry)).chain(examples::from_drive().iter().map(entry)).collect();
     format!(
-        "{{\n  \"protocol_version\": {PROTOCOL_VERSION},\n  \"frames\": [\n    {}\n  ]\n}}\n",
+        "{{\n  \"protocol_version\": {PROTOCOL_VERSION},\n  \"minor_version\": {MINOR_VERSION},\n  \"frames\": [\n    {}\n  ]\n}}\n",
         frames.join(",\n    ")
     )
 }
@@ -35,10 +35,11 @@ fn entry<M: Message>(message: &M) -> String {
     };
     let fields: Vec<String> = layout.fields.iter().map(field).collect();
     format!(
-        "{{\"name\": \"{}\", \"kind\": {}, \"frame\": \"{}\", \"fields\": {{{}}}}}",
+        "{{\"name\": \"{}\", \"kind\": {}, \"number\": {}, \"frame\": \"{}\", \"fields\": {{{}}}}}",
         layout.name,
         layout.kind,
-        Hex(&message.frame()),
+        if layout.has_number() { NUMBER } else { 0 },
+        Hex(&message.numbered_frame(NUMBER)),
         fields.join(", ")
     )
 }
@@ -54,16 +55,17 @@ fn json(value: FieldValue) -> String {
             let values: Vec<_> = values.as_slice().iter().map(|value| format!("{value:?}")).collect();
             format!("[{}]", values.join(", "))
         }
-        FieldValue::Name(name) => Value::from(name).to_string(),
+        FieldValue::Name(value) => Value::from(value.to_string()).to_string(),
         FieldValue::Flags(flags) => names(flags).to_string(),
         FieldValue::Status(state, flags) => {
-            format!("{{\"state\": {}, \"flags\": {}}}", Value::from(state), names(flags))
+            format!("{{\"state\": {}, \"flags\": {}}}", Value::from(state.to_string()), names(flags))
         }
         FieldValue::Text(text) => Value::from(text).to_string(),
         FieldValue::Parameter(value) => {
             let number = match value {
                 ParameterValue::U32(value) => value.to_string(),
                 ParameterValue::F32(value) => format!("{value:?}"),
+                ParameterValue::Unknown { .. } => format!("\"{value}\""),
             };
             format!("{{\"type\": \"{}\", \"value\": {number}}}", value.ty())
         }
@@ -97,10 +99,10 @@ fn the_golden_frames_decode_to_their_messages() {
         let frame = bytes_of(entry["frame"].as_str().expect("hexadecimal digits"));
         let name = if entry["kind"].as_u64() < Some(0x80) {
             let message = Decoder::new().next::<HostMessage>(&mut &frame[..]);
-            message.and_then(Result::ok).map(|message| message.layout().name)
+            message.and_then(Result::ok).map(|numbered| numbered.message.layout().name)
         } else {
             let message = Decoder::new().next::<DriveMessage>(&mut &frame[..]);
-            message.and_then(Result::ok).map(|message| message.layout().name)
+            message.and_then(Result::ok).map(|numbered| numbered.message.layout().name)
         };
         assert_eq!(name, entry["name"].as_str());
     }

@@ -1,13 +1,33 @@
-//! Tables and fences of `docs/protocol.md`.
+//! Tables and fences of `docs/protocol.md` and its annexes.
 
-/// The document.
-pub const PROTOCOL: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/protocol.md"));
+/// A document of the specification, by its path below `docs`.
+macro_rules! document {
+    ($path:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/", $path))
+    };
+}
+
+/// The page and its annexes, in the order of their sections. The draft isn't among them: it binds no one.
+pub const PROTOCOL: &str = concat!(
+    document!("protocol.md"),
+    document!("protocol/bytes.md"),
+    document!("protocol/lashloop-drive.md"),
+    document!("protocol/profile-pd.md"),
+    document!("protocol/bench-mode.md"),
+);
 
 /// The text between this heading and the next one of any level.
 pub fn section(heading: &str) -> &'static str {
     let (_, after) = (PROTOCOL.split_once(&format!("\n{heading}\n")))
-        .unwrap_or_else(|| panic!("docs/protocol.md has no heading {heading:?}"));
+        .unwrap_or_else(|| panic!("neither docs/protocol.md nor an annex has the heading {heading:?}"));
     after.split("\n#").next().unwrap_or(after)
+}
+
+/// The text from this heading of level 2 to the next one, parts of lower levels included.
+pub fn whole_section(heading: &str) -> &'static str {
+    let (_, after) = (PROTOCOL.split_once(&format!("\n{heading}")))
+        .unwrap_or_else(|| panic!("neither docs/protocol.md nor an annex has the heading {heading:?}"));
+    after.split("\n## ").next().unwrap_or(after)
 }
 
 /// The rows of the table in `section` whose first column has this header, without markup.
@@ -35,4 +55,10 @@ pub fn fences(section: &'static str) -> Vec<&'static str> {
         .step_by(2)
         .map(|fence| fence.strip_prefix("text\n").unwrap_or(fence).trim_end())
         .collect()
+}
+
+/// The data sheets of the conversation, in order.
+pub fn sheets() -> Vec<&'static str> {
+    let fences = fences(whole_section("## 15. A conversation, byte by byte"));
+    fences.into_iter().filter(|fence| fence.contains("\nframe: ")).collect()
 }

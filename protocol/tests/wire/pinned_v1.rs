@@ -7,10 +7,12 @@ use std::fmt::Debug;
 use lashloop_protocol::layout::{Direction, MessageLayout};
 use lashloop_protocol::message::Telemetry;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, TelemetryValues};
+use lashloop_protocol::{
+    Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, Numbered, TelemetryValues,
+};
 
 use crate::data_sheet::{data_sheet, frame_bytes_of};
-use crate::examples;
+use crate::examples::{self, NUMBER};
 
 fn pin<M: Message + Copy + Debug + PartialEq>(messages: &[M]) {
     assert_eq!(messages.len(), M::LAYOUTS.len(), "an example of every kind");
@@ -18,8 +20,13 @@ fn pin<M: Message + Copy + Debug + PartialEq>(messages: &[M]) {
         let sheet = data_sheet(message);
         let name = sheet.split(',').next().unwrap_or_default().to_lowercase();
         insta::assert_snapshot!(format!("v1_{name}"), sheet);
-        let decoded = Decoder::new().next::<M>(&mut &message.frame()[..]);
-        assert_eq!(decoded, Some(Ok(*message)), "{name} decodes to the same value");
+        let decoded = Decoder::new().next::<M>(&mut &message.numbered_frame(NUMBER)[..]);
+        let number = if message.layout().has_number() { NUMBER } else { 0 };
+        assert_eq!(
+            decoded,
+            Some(Ok(Numbered { number, message: *message })),
+            "{name} decodes to the same value"
+        );
     }
 }
 
@@ -57,18 +64,36 @@ fn telemetry_of_six_signals_is_33_bytes_and_of_thirteen_61() {
 }
 
 #[test]
-fn only_telemetry_has_frames_of_different_lengths() {
+fn a_body_may_be_longer_but_not_shorter_than_its_fields() {
     for layout in layouts() {
-        let lens = (0..=MAX_FRAME).filter(|len| layout.takes(*len)).count();
-        assert_eq!(lens, if layout.name == "Telemetry" { 13 } else { 1 }, "{}", layout.name);
+        let lens: Vec<usize> = (0..=MAX_BODY).filter(|len| layout.takes(*len)).collect();
+        let shortest = match layout.fields.last() {
+            Some(last) if last.optional => layout.body_len - last.len,
+            _ => layout.body_len,
+        };
+        if layout.name == "Telemetry" {
+            assert_eq!(lens, (7..=MAX_BODY).step_by(4).collect::<Vec<_>>());
+        } else {
+            assert_eq!(lens, (shortest..=MAX_BODY).collect::<Vec<_>>(), "{}", layout.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_sent_in_every_period_or_unasked_has_no_number() {
+    let without: Vec<_> = layouts().filter(|layout| !layout.has_number()).map(|layout| layout.name).collect();
+    let unasked = ["TorqueAnswer", "Telemetry", "FaultReport", "Log", "BenchSample"];
+    assert_eq!(without, [&["EncoderSample", "Reference"][..], &unasked].concat());
+    for layout in layouts() {
+        let first = layout.fields.first().map(|field| field.offset);
+        assert!(first.is_none_or(|offset| offset == 1 + usize::from(layout.has_number())), "{}", layout.name);
     }
 }
 
 #[test]
 fn no_frame_is_longer_than_the_limit() {
     let longest = layouts().max_by_key(|layout| layout.frame_len()).expect("there are messages");
-    assert_eq!((longest.name, longest.frame_len()), ("ParameterDescription", 63));
-    assert!(longest.frame_len() <= MAX_FRAME);
+    assert_eq!((longest.name, longest.frame_len()), ("Log", MAX_FRAME));
 }
 
 #[test]
