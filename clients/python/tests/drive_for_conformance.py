@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lashloop.control import ControlInput, ControlLaw, ControlOutput, choice, f32, signal
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive, serve
-from lashloop.layout import MAX_TELEMETRY_VALUES
+from lashloop.limits import MAX_TELEMETRY_VALUES
 from lashloop.link import StandardStreams
 
 if TYPE_CHECKING:

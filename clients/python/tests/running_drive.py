@@ -1,16 +1,25 @@
-"""A running drive, and its reaction to samples."""
+"""A drive in each state, and the reaction of a running drive to samples."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from lashloop.control import u32
+from lashloop.control.cascade import PD
 from lashloop.enums import Outcome, ParameterValue, State, TorqueFlags
 from lashloop.messages import (
     CommandResult,
     DriveMessage,
+    EmergencyStop,
     EncoderSample,
     FaultReport,
     TorqueAnswer,
 )
 from support import DriveUnderTest, sample
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 SLOW = {"motor_speed_limit_rad_s": ParameterValue.f32(100.0)}  # so that encoders allow the longest gap there is
 
@@ -47,3 +56,24 @@ def classification(dut: DriveUnderTest, sequence: int) -> str:
     assert isinstance(answer, TorqueAnswer)
     flags = answer.status.flags & ~TorqueFlags.SATURATED
     return {TorqueFlags(0): "taken", TorqueFlags.GAP: "after a gap", TorqueFlags.REPEATED: "repeated"}[flags]
+
+
+TUNED = replace(PD, parameters=(*PD.parameters, u32("tuning", "", 10, 0, 10, live=True)))
+"""The law with a live parameter after its own."""
+
+
+def faulted() -> DriveUnderTest:
+    """A drive with a session and a latched emergency stop."""
+    dut = DriveUnderTest(laws=[TUNED]).idle()
+    dut.send(EmergencyStop())
+    return dut
+
+
+ENTER: dict[str, Callable[[], DriveUnderTest]] = {
+    "Boot": lambda: DriveUnderTest(laws=[TUNED]),
+    "Idle": lambda: DriveUnderTest(laws=[TUNED]).idle(),
+    "Armed": lambda: DriveUnderTest(laws=[TUNED]).armed(),
+    "Running": lambda: DriveUnderTest(laws=[TUNED]).running(),
+    "Faulted": faulted,
+}
+"""Enters each state, by its name."""

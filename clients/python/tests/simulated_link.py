@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections import Counter, deque
 from typing import TYPE_CHECKING
 
-from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
+from lashloop.frames import FROM_DRIVE, FROM_HOST, Numbered, decode, encode
 from lashloop.host import Host, TimeLimits
 from support import DriveUnderTest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from lashloop.messages import DriveMessage, HostMessage
+
+    Altered = Sequence[DriveMessage | Numbered[DriveMessage] | bytes]
 
 
 class SimulatedLink:
@@ -23,10 +25,15 @@ class SimulatedLink:
         self.dut = DriveUnderTest()
         self.now_s = 0.0
         self.sent: list[HostMessage] = []
+        self.numbers: list[int] = []
+        """Numbers of the messages sent."""
         self.closed = False
         self.delay_s = 0.0
         self.loses_request: Callable[[HostMessage], bool] = lambda _: False
-        self.alters: Callable[[DriveMessage], list[DriveMessage]] = lambda it: [it]
+        self.alters: Callable[[DriveMessage], Altered] = lambda it: [it]
+        """What arrives of a message of the drive: messages with its number, messages with another one, and frames."""
+        self.number = 0
+        """Number of the message that `alters` gets."""
         self._under_way: deque[tuple[float, bytes]] = deque()
         self._coming = bytearray(b"\x17 half a frame of an earlier host")
 
@@ -39,16 +46,26 @@ class SimulatedLink:
         del timeout_s
         for frame in data.split(b"\0")[:-1]:
             if frame:
-                message = decode(frame, FROM_HOST)
-                self.sent.append(message)
-                if not self.loses_request(message):
+                item = decode(frame, FROM_HOST)
+                self.sent.append(item.message)
+                self.numbers.append(item.number)
+                if not self.loses_request(item.message):
                     self._answer(self.dut.drive.receive(frame + b"\0"))
         return len(data)
 
     def _answer(self, data: bytes) -> None:
         for frame in data.split(b"\0")[:-1]:
-            for message in self.alters(decode(frame, FROM_DRIVE)):
-                self._under_way.append((self.now_s + self.delay_s, encode(message)))
+            item = decode(frame, FROM_DRIVE)
+            self.number = item.number
+            for it in self.alters(item.message):
+                self._under_way.append((self.now_s + self.delay_s, self._frame(it)))
+
+    def _frame(self, altered: DriveMessage | Numbered[DriveMessage] | bytes) -> bytes:
+        if isinstance(altered, bytes):
+            return altered
+        if isinstance(altered, Numbered):
+            return encode(altered.message, altered.number)
+        return encode(altered, self.number)
 
     def _arrive(self) -> None:
         while self._under_way and self._under_way[0][0] <= self.now_s:

@@ -1,4 +1,4 @@
-"""The drive of the specification's example, made from the tables of section 16 and the law of section 17."""
+"""The drive of the specification's example, made from the tables of its annexes: the Lashloop drive, the law `pd`."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from lashloop.control import ControlLaw, ParameterSpec, SignalSpec, choice, f32, signal, u32
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
+from lashloop.limits import MAX_PARAMETERS
 from lashloop.messages import (
     ChoiceDescription,
     DescribeChoice,
@@ -36,14 +37,14 @@ CHOICES = table("### Its choices")
 
 def parameter(row: list[str]) -> ParameterSpec:
     """The declaration in a row of the table of parameters."""
-    _, name, unit, kind, default, low, high = row[:7]
+    _, name, unit, kind, default, low, high, _, live = row[:9]
     choices = [it[2] for it in CHOICES if it[0] == name]
     if choices:
         assert (low, high, unit) == ("0", str(len(choices) - 1), "")
-        return choice(name, choices, choices[int(default)])
+        return choice(name, choices, choices[int(default)], live=live == "yes")
     if kind == "U32":
-        return u32(name, unit, int(default), int(low), int(high))
-    return f32(name, unit, float(default), float(low), float(high))
+        return u32(name, unit, int(default), int(low), int(high), live=live == "yes")
+    return f32(name, unit, float(default), float(low), float(high), live=live == "yes")
 
 
 def signal_spec(row: list[str]) -> SignalSpec:
@@ -89,7 +90,8 @@ class Translation:
             case SetParameter() | DescribeParameter():
                 return replace(message, index=self._parameters[message.index])
             case DescribeChoice():
-                return replace(message, parameter=self._parameters[message.parameter])
+                # Larger numbers than any index stand for lists of the drive.
+                return replace(message, parameter=self._parameters.get(message.parameter, message.parameter))
             case DescribeSignal():
                 return replace(message, index=self._signals[message.index])
             case Subscribe():
@@ -104,7 +106,7 @@ class Translation:
         match message:
             case ParameterReport() | ParameterDescription():
                 return replace(message, index=_key(self._parameters, message.index))
-            case ChoiceDescription():
+            case ChoiceDescription() if message.parameter <= MAX_PARAMETERS:
                 return replace(message, parameter=_key(self._parameters, message.parameter))
             case SignalDescription():
                 return replace(message, index=_key(self._signals, message.index))

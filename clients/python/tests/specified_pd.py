@@ -1,4 +1,4 @@
-"""The law of the profile `pd`, written from section 17 of the specification alone, in any precision."""
+"""The law of the profile `pd`, written from its annex of the specification alone, in any precision."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 JUMP_RAD = 0.02
 """Largest change of the reference per period that is motion."""
+GAINS = ("k_p1", "k_d1", "k_p2", "k_d2", "k_1")
+"""The live parameters of the law."""
 
 
 class SpecifiedPd:
@@ -40,6 +42,10 @@ class SpecifiedPd:
         self._motor_velocity = self._load_velocity = real(0.0)
         self._reference = real(0.0)
         self._reference_velocity: Real | None = None
+
+    def update(self, parameters: Mapping[str, float]) -> None:
+        """Take over the gains."""
+        self._it |= {name: self._real(parameters[name]) for name in GAINS}
 
     def step(self, sample: ControlInput) -> ControlOutput:
         """Compute the torque of one sample, and the signals of the Lashloop drive."""

@@ -12,11 +12,14 @@ from pathlib import Path
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, TypeVar
 
+from cobs import cobs
+
 from lashloop.control.cascade import PD
 from lashloop.decoder import Decoder
 from lashloop.drive import Drive
-from lashloop.frames import FROM_DRIVE, FrameError, encode
+from lashloop.frames import FROM_DRIVE, Numbered, crc32c, encode
 from lashloop.host import TimeLimits
+from lashloop.layout import has_number
 from lashloop.messages import Arm, CommandResult, DriveMessage, EncoderSample, Hello, SetParameter, Start, Subscribe
 
 if TYPE_CHECKING:
@@ -36,17 +39,24 @@ SOON_S = 90.0
 """Deadline for events that are immediate on an idle machine; sufficient on a busy one."""
 
 
+PAGES = ("", "/bytes", "/lashloop-drive", "/profile-pd", "/bench-mode")
+"""Pages of the specification: the one of the protocol, then its annexes."""
+
+
 def document() -> str:
-    """The specification."""
-    return (WORKSPACE / "docs/protocol.md").read_text()
+    """The specification, with those of its annexes that exist."""
+    paths = (WORKSPACE / f"docs/protocol{page}.md" for page in PAGES)
+    return "\n".join(path.read_text() for path in paths if path.exists())
 
 
 def table(above: str) -> list[list[str]]:
-    """The rows of the first table below a line of the specification, without markup."""
-    _, _, below = document().partition(f"\n{above}\n")
-    assert below, f"there is no line {above}"
+    """The rows of the first table below a heading, or below a line with the tag of a rule, without markup."""
+    title = above.lstrip("# ")
+    start = rf"^.*{re.escape(title)}.*\n" if title.startswith("[") else rf"^#+ {re.escape(title)}\n"
+    found = re.search(start, document(), flags=re.MULTILINE)
+    assert found, f"there is no line {above}"
     rows: list[list[str]] = []
-    for line in below.splitlines():
+    for line in document()[found.end() :].splitlines():
         if line.startswith("#"):
             break
         if line.startswith("|"):
@@ -55,6 +65,12 @@ def table(above: str) -> list[list[str]]:
         elif rows:
             break
     return rows[2:]
+
+
+def sealed(body: bytes) -> bytes:
+    """A frame around any body."""
+    stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(4, "little"))
+    return stuffed + b"\0"
 
 
 @dataclass
@@ -86,17 +102,26 @@ class DriveUnderTest:
         """Power up the drive."""
         self.drive = Drive(self.laws, clock_ns=self.clock)
         self.decoder = Decoder(FROM_DRIVE)
+        self.number = 0
+
+    def numbered(self, data: bytes) -> list[Numbered[DriveMessage]]:
+        """Messages in the bytes of the drive, with their numbers."""
+        items = list(self.decoder.feed(data))
+        return [it for it in items if isinstance(it, Numbered)]
 
     def decode(self, data: bytes) -> list[DriveMessage]:
         """Messages in the bytes of the drive."""
-        messages = list(self.decoder.feed(data))
-        return [it for it in messages if not isinstance(it, FrameError)]
+        return [it.message for it in self.numbered(data)]
 
     def send(self, message: HostMessage) -> list[DriveMessage]:
-        """Send a message and return all answers."""
-        answers = self.decode(self.drive.receive(encode(message)))
-        assert self.decoder.counters.damaged + self.decoder.counters.refused == 0
-        return answers
+        """Send a message with the next number and return all answers, which have that number."""
+        self.number = (self.number + 1) % 256
+        answers = self.numbered(self.drive.receive(encode(message, self.number)))
+        counters = self.decoder.counters
+        assert counters.damaged + counters.refused + counters.unknown == 0
+        number = self.number if has_number(message.KIND) else 0
+        assert [it.number for it in answers] == [number if has_number(it.message.KIND) else 0 for it in answers]
+        return [it.message for it in answers]
 
     def only(self, kind: type[M], message: HostMessage) -> M:
         """Send a message and return its only answer, of this kind."""
@@ -119,7 +144,7 @@ class DriveUnderTest:
 
     def idle(self) -> DriveUnderTest:
         """Open the session."""
-        self.send(Hello(1, SESSION))
+        self.send(Hello.of(SESSION))
         return self
 
     def armed(self) -> DriveUnderTest:

@@ -29,7 +29,8 @@ def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
         assert lines == {
             "board": "python",
             "firmware": "0.1.0, build 00000000, built from changed or unknown sources",
-            "protocol version": "1",
+            "protocol version": "1.0",
+            "capabilities": "device time",
             "state": "Idle",
             "control period": "1000 us",
             "motor encoder": "131072 counts/rev",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import numpy as np
@@ -17,7 +18,7 @@ from lashloop.drive import Parameters
 from lashloop.drive.description import DRIVE_SIGNALS
 from lashloop.drive.parameters import DRIVE_PARAMETERS
 from lashloop.enums import single
-from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
+from lashloop.frames import FROM_DRIVE, FROM_HOST, UnknownKindError, decode, encode
 from lashloop.sequence import nearest_step, of_step
 from specified_drive import PARAMETERS, SIGNALS, Translation, has, parameter, signal_spec, specified_drive
 from support import Clock, document
@@ -113,8 +114,20 @@ def test_everything_is_computed_in_single_precision() -> None:
 
 def test_resolutions_that_differ_too_much_are_named() -> None:
     far = {"motor_counts_per_rev": 2**24, "load_counts_per_rev": 4, "reduction_ratio": 10.0}
-    with pytest.raises(InconsistentError, match="motor counts per load count"):
+    with pytest.raises(InconsistentError, match="motor_counts_per_rev does not go with the other parameters"):
         PD.build(DEFAULTS | far)
+
+
+def test_gains_change_within_a_run_and_nothing_else_does() -> None:
+    gains = {"k_p1": 2.0, "k_d1": 0.02, "k_p2": 5.0, "k_d2": 3.0, "k_1": 0.5}
+    changed, before, after = CascadedPd(DEFAULTS), CascadedPd(DEFAULTS), CascadedPd(DEFAULTS | gains)
+    for step in range(6):
+        if step == 3:
+            changed.update(DEFAULTS | gains | {"stiffness_nm_rad": 9.0})
+        sample = at(30 * step, 10 * step, 1e-3 * step)
+        torques_nm = [law.step(sample).torque_nm for law in (changed, before, after)]
+        assert torques_nm[0] == torques_nm[1 if step < 3 else 2]
+        assert torques_nm[1] != torques_nm[2]
 
 
 @given(st.integers(-(2**23), 2**23 - 1), st.integers(-(2**23) + 1, 2**23 - 1))
@@ -147,8 +160,14 @@ def test_the_specification_s_example_is_reproduced_byte_for_byte() -> None:
         if frame[1] < 0x80:
             requests += 1
             assert answers == [], f"before request {requests}"
-            sent = drive.receive(encode(translation.request(decode(frame, FROM_HOST))))
-            answers = [encode(translation.answer(decode(it, FROM_DRIVE))) for it in sent.split(b"\0")[:-1]]
+            ours = frame
+            # The example of an unknown request is sent as it is.
+            with contextlib.suppress(UnknownKindError):
+                request = decode(frame, FROM_HOST)
+                ours = encode(translation.request(request.message), request.number)
+            sent = drive.receive(ours)
+            items = [decode(it, FROM_DRIVE) for it in sent.split(b"\0")[:-1]]
+            answers = [encode(translation.answer(it.message), it.number) for it in items]
         else:
             assert answers.pop(0) == frame
     assert answers == []

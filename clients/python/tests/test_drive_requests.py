@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 
-from lashloop.control import ControlLaw, signal, u32
-from lashloop.control.cascade import PD
 from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State
-from lashloop.frames import encode
+from lashloop.frames import encode, open_frame
+from lashloop.layout import has_number
+from lashloop.limits import MINOR_VERSION, PROTOCOL_VERSION
 from lashloop.messages import (
-    PROTOCOL_VERSION,
+    HOST_MESSAGES,
     Arm,
     ClearFault,
     CommandResult,
@@ -24,13 +23,15 @@ from lashloop.messages import (
     DriveMessage,
     EmergencyStop,
     EncoderSample,
+    EnterLoader,
     FaultReport,
     GetParameter,
     Hello,
     HostMessage,
     Identity,
-    Log,
+    LineReport,
     ParameterReport,
+    Reference,
     Reset,
     SetParameter,
     Start,
@@ -38,31 +39,16 @@ from lashloop.messages import (
     Subscribe,
     TorqueAnswer,
 )
-from support import PARAMETER_COUNT, SESSION, DriveUnderTest, sample, table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from running_drive import ENTER
+from support import PARAMETER_COUNT, SESSION, DriveUnderTest, sample, sealed, table
 
 OTHER = SESSION ^ 1
-ORDER_OF_ANSWERS = "### Answers"
-HELLO = Hello(PROTOCOL_VERSION, SESSION)
-TUNED = replace(PD, parameters=(*PD.parameters, u32("tuning", "", 10, 0, 10, live=True)))
-"""The law with a live parameter after its own."""
-TWO = (PD, ControlLaw(name="other", signals=(signal("other", ""),), build=PD.build))
-FOREIGN = 1 + len(PD.signals)
-"""Index of the signal of the second law, which `pd` lacks."""
-ENTER: dict[str, Callable[[], DriveUnderTest]] = {
-    "Boot": lambda: DriveUnderTest(laws=[TUNED]),
-    "Idle": lambda: DriveUnderTest(laws=[TUNED]).idle(),
-    "Armed": lambda: DriveUnderTest(laws=[TUNED]).armed(),
-    "Running": lambda: DriveUnderTest(laws=[TUNED]).running(),
-    "Faulted": lambda: faulted(),
-}
+HELLO = Hello.of(SESSION)
 # Index 0 is `controller`, signal 0 the torque before the limit; the last parameter is live.
 REQUESTS: dict[str, HostMessage] = {
-    "Hello, another session": Hello(PROTOCOL_VERSION, OTHER),
+    "Hello, another session": Hello.of(OTHER),
     "Hello, same session": HELLO,
-    "Hello, another version": Hello(PROTOCOL_VERSION + 1, OTHER),
+    "Hello, another version": Hello(PROTOCOL_VERSION + 1, MINOR_VERSION, OTHER),
     "DescribeParameter": DescribeParameter(0),
     "GetParameter": GetParameter(0),
     "SetParameter": SetParameter(0, ParameterValue.u32(0)),
@@ -87,13 +73,6 @@ TRANSITIONS = [
     for state, cell in zip(ENTER, row[1:], strict=True)
     if cell != "no session yet"
 ]
-
-
-def faulted() -> DriveUnderTest:
-    """A drive with a session and a latched emergency stop."""
-    dut = DriveUnderTest(laws=[TUNED]).idle()
-    dut.send(EmergencyStop())
-    return dut
 
 
 def outcome(answers: list[DriveMessage]) -> Outcome | None:
@@ -127,130 +106,18 @@ def test_every_request_in_every_state_acts_as_specified(request_name: str, state
             assert answer.status.state is dut.drive.state
 
 
-def inconsistent() -> DriveUnderTest:
-    """An idle drive whose encoder resolutions differ too much."""
-    dut = DriveUnderTest().idle()
-    dut.set("motor_counts_per_rev", ParameterValue.u32(16_777_216))
-    dut.set("load_counts_per_rev", ParameterValue.u32(4))
-    dut.set("reduction_ratio", ParameterValue.f32(10.0))
-    return dut
-
-
-def foreign_signal() -> DriveUnderTest:
-    """An idle drive with a subscription to a signal of its other law."""
-    dut = DriveUnderTest(laws=TWO).idle()
-    assert dut.subscribe(FOREIGN) is Outcome.ACCEPTED
-    return dut
-
-
-def with_telemetry(every: int) -> DriveUnderTest:
-    """A running drive after sample 0."""
-    dut = DriveUnderTest().running()
-    dut.subscribe(0, every=every)
-    dut.send(sample(0))
-    return dut
-
-
-def late() -> DriveUnderTest:
-    """A running drive after its watchdog time, before any check of the watchdog."""
-    dut = DriveUnderTest().running()
-    dut.send(sample(0))
-    dut.clock.pass_us(20_001)
-    return dut
-
-
-ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMessage]]] = {
-    ("Hello", "same version"): [(DriveUnderTest, HELLO)],
-    ("Hello", "same version, fault latched"): [(faulted, HELLO)],
-    ("Hello", "another version"): [(DriveUnderTest, Hello(2, SESSION))],
-    ("Hello", "another version, fault latched"): [(faulted, Hello(2, SESSION))],
-    ("DescribeParameter", "known index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT - 1))],
-    ("DescribeParameter", "unknown index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT))],
-    ("GetParameter", "any index"): [(DriveUnderTest, GetParameter(0)), (DriveUnderTest, GetParameter(255))],
-    ("SetParameter", "any index"): [
-        (DriveUnderTest().idle, SetParameter(0, ParameterValue.u32(1))),
-        (DriveUnderTest().idle, SetParameter(255, ParameterValue.u32(1))),
-    ],
-    ("DescribeLaw", "known index"): [(DriveUnderTest, DescribeLaw(0))],
-    ("DescribeLaw", "unknown index"): [(DriveUnderTest, DescribeLaw(1))],
-    ("DescribeSignal", "known index"): [(DriveUnderTest, DescribeSignal(len(PD.signals)))],
-    ("DescribeSignal", "unknown index"): [(DriveUnderTest, DescribeSignal(1 + len(PD.signals)))],
-    ("DescribeChoice", "known index"): [(DriveUnderTest, DescribeChoice(0, 0))],
-    ("DescribeChoice", "unknown index"): [
-        (DriveUnderTest, DescribeChoice(0, 1)),
-        (DriveUnderTest, DescribeChoice(1, 0)),
-        (DriveUnderTest, DescribeChoice(255, 0)),
-    ],
-    ("Subscribe", "done, refused for any other reason"): [
-        *((enter, Subscribe(1, 10)) for enter in ENTER.values()),
-        (DriveUnderTest().running, Subscribe(1 << 31, 10)),
-    ],
-    ("Subscribe", "the law in force lacks a signal"): [
-        (lambda: DriveUnderTest(laws=TWO).armed(), Subscribe(1 << FOREIGN, 10)),
-        (lambda: DriveUnderTest(laws=TWO).running(), Subscribe(1 << FOREIGN, 0)),
-    ],
-    ("Arm", "done, wrong state, wrong session"): [
-        (DriveUnderTest().idle, Arm(SESSION)),
-        (DriveUnderTest().armed, Arm(SESSION)),
-        (DriveUnderTest().idle, Arm(OTHER)),
-    ],
-    ("Arm", "parameters don't go together"): [(inconsistent, Arm(SESSION))],
-    ("Arm", "the law in force lacks a subscribed signal"): [(foreign_signal, Arm(SESSION))],
-    ("Start", "any"): [(DriveUnderTest().armed, Start(SESSION)), (DriveUnderTest, Start(SESSION))],
-    ("Stop", "any"): [(enter, Stop()) for enter in ENTER.values()],
-    ("EmergencyStop", "any"): [(enter, EmergencyStop()) for enter in ENTER.values()],
-    ("ClearFault", "any"): [(enter, ClearFault()) for enter in ENTER.values()],
-    ("Reset", "any"): [(enter, Reset()) for enter in ENTER.values()],
-    ("EncoderSample", "Boot"): [(DriveUnderTest, sample(0))],
-    ("EncoderSample", "Idle, Armed, Faulted"): [(ENTER[state], sample(7)) for state in ("Idle", "Armed", "Faulted")],
-    ("EncoderSample", "Running, no telemetry due"): [(lambda: with_telemetry(2), sample(1))],
-    ("EncoderSample", "Running, telemetry due"): [(lambda: with_telemetry(2), sample(2))],
-    ("EncoderSample", "Running, the sample causes a fault"): [
-        (lambda: with_telemetry(1), sample(1, reference_rad=math.nan))
-    ],
-    ("EncoderSample", "Running, later than the watchdog allows"): [(late, sample(1)), (late, sample(0))],
-    ("EncoderSample", "Running, repeated"): [(lambda: with_telemetry(1), sample(0))],
-    ("EncoderSample", "Running, out of sequence"): [(lambda: with_telemetry(1), sample(1001))],
-}
-
-
-@pytest.mark.parametrize("row", table("## 4. Messages"), ids=lambda row: str(row[1]))
-def test_every_request_has_its_rows_in_the_table_of_answers(row: list[str]) -> None:
-    # Those of sections 18 and 19 are optional.
-    if row[2] == "host" and row[1] not in {"Reference", "EnterLoader"}:
-        assert any(request == row[1] for request, _ in ANSWERS)
-
-
-@pytest.mark.parametrize(("request_name", "case", "wanted"), table(ORDER_OF_ANSWERS))
-def test_answers_are_sent_in_the_specified_order(request_name: str, case: str, wanted: str) -> None:
-    for enter, request in ANSWERS[request_name, case]:
-        dut = enter()
-        assert type(request).__name__ == request_name
-        answers = dut.send(request)
-        assert [type(it).__name__ for it in answers] == wanted.split(", "), (dut.drive.state, request)
-
-
-def test_every_row_of_the_table_of_answers_is_covered() -> None:
-    assert [tuple(row[:2]) for row in table(ORDER_OF_ANSWERS)] == list(ANSWERS)
-
-
-def test_requests_in_one_read_are_answered_in_order() -> None:
-    dut = DriveUnderTest()
-    answers = dut.decode(dut.drive.receive(b"".join(map(encode, [HELLO, HELLO, Arm(SESSION), GetParameter(3)]))))
-    assert [type(it).__name__ for it in answers] == ["Identity", "Identity", "CommandResult", "ParameterReport"]
-
-
 def test_a_fault_latched_before_any_session_clears_to_boot() -> None:
     dut = DriveUnderTest()
     dut.send(EmergencyStop())
-    assert dut.only(CommandResult, ClearFault()) == CommandResult(ClearFault.KIND, Outcome.ACCEPTED, State.BOOT)
+    it = dut.only(CommandResult, ClearFault())
+    assert (it.request, it.outcome, it.state) == (ClearFault.KIND, Outcome.ACCEPTED, State.BOOT)
 
 
 def test_a_hello_of_another_version_gets_an_identity_only() -> None:
     dut = DriveUnderTest().running()
     dut.send(sample(0))
     torque_nm = dut.drive.torque_nm
-    identity, result = dut.send(Hello(9, OTHER))
+    identity, result = dut.send(Hello(9, 1, OTHER))
     assert isinstance(identity, Identity)
     assert (identity.protocol_version, identity.session, identity.state) == (1, OTHER, State.RUNNING)
     assert isinstance(result, CommandResult)
@@ -262,7 +129,7 @@ def test_a_hello_of_another_version_gets_an_identity_only() -> None:
 def test_a_new_session_keeps_the_parameters_and_a_reset_does_not() -> None:
     dut = DriveUnderTest().idle()
     dut.set("torque_limit_nm", ParameterValue.f32(3.0))
-    dut.send(Hello(1, OTHER))
+    dut.send(Hello.of(OTHER))
     assert dut.drive.parameters["torque_limit_nm"] == 3.0
     dut.send(Reset())
     assert dut.drive.parameters["torque_limit_nm"] == 20.0
@@ -275,7 +142,7 @@ def test_the_first_fault_is_kept_and_sent_after_the_identity() -> None:
     report, _ = dut.send(EmergencyStop())
     assert isinstance(report, FaultReport)
     assert report.code is FaultCode.EMERGENCY_STOP
-    _, kept = dut.send(Hello(1, OTHER))
+    _, kept = dut.send(Hello.of(OTHER))
     assert isinstance(kept, FaultReport)
     assert kept.code is FaultCode.REFERENCE_NOT_FINITE
 
@@ -298,8 +165,9 @@ def test_every_parameter_accepts_exactly_its_range(index: int) -> None:
     for value in outside:
         report = dut.only(ParameterReport, SetParameter(index, value))
         assert (report.outcome, report.value) == (Outcome.OUT_OF_RANGE, spec.default)
-    report = dut.only(ParameterReport, SetParameter(index, wrong))
-    assert (report.outcome, report.value) == (Outcome.WRONG_TYPE, spec.default)
+    for other in (wrong, ParameterValue(ParameterType(77), 1)):
+        report = dut.only(ParameterReport, SetParameter(index, other))
+        assert (report.outcome, report.value) == (Outcome.WRONG_TYPE, spec.default)
 
 
 def test_an_unknown_index_is_rejected_before_any_other_check() -> None:
@@ -316,13 +184,13 @@ def test_the_identity_has_the_period_and_the_encoders_in_force() -> None:
     assert (it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev) == (2000, 4096, 8192)
 
 
-def test_arming_rejects_inconsistent_parameters_by_name() -> None:
-    dut = inconsistent()
-    log, result = dut.send(Arm(SESSION))
-    assert isinstance(log, Log)
-    assert log.text == "motor counts per load count does not go with the others"[:52]
-    assert isinstance(result, CommandResult)
-    assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
+def test_there_is_neither_a_boot_loader_nor_bench_mode() -> None:
+    for enter in ENTER.values():
+        dut = enter()
+        for request in (EnterLoader(SESSION), EnterLoader(OTHER), Reference(7, 0.0)):
+            result = dut.only(CommandResult, request)
+            assert (result.request, result.outcome) == (request.KIND, Outcome.WRONG_STATE)
+            assert result.state is dut.drive.state
 
 
 def test_a_sample_while_not_running_gets_zero_torque() -> None:
@@ -332,3 +200,84 @@ def test_a_sample_while_not_running_gets_zero_torque() -> None:
         for _ in range(2):
             answer = dut.only(TorqueAnswer, wild)
             assert (answer.sequence, answer.torque_nm, answer.status.flags) == (99, 0.0, 0)
+
+
+def test_any_number_of_a_request_is_repeated_in_its_answers() -> None:
+    dut = DriveUnderTest().running()
+    for number in (0, 1, 255, 255, 7):
+        for request in (HELLO, GetParameter(0), DescribeLaw(9), Start(SESSION)):
+            (answer,) = dut.numbered(dut.drive.receive(encode(request, number)))
+            assert answer.number == number, request
+    # A fault report between two answers has none, and the refusal of a sample has 0.
+    answers = dut.numbered(dut.drive.receive(encode(EmergencyStop(), 9)))
+    assert [(type(it.message).__name__, it.number) for it in answers] == [("FaultReport", 0), ("CommandResult", 9)]
+    dut.drive.receive(encode(Reset(), 9))
+    (answer,) = dut.numbered(dut.drive.receive(encode(sample(0))))
+    assert (type(answer.message).__name__, answer.number) == ("CommandResult", 0)
+
+
+def test_device_time_is_that_of_the_request_and_never_runs_backwards() -> None:
+    dut = DriveUnderTest()
+    dut.clock.now_ns, dut.clock.step_ns = (2**32 - 10) * 1000, 5_700
+    times_us: list[int | None] = []
+    for request in (HELLO, Arm(SESSION), Start(SESSION), EmergencyStop(), HELLO, GetParameter(0), Stop()):
+        answers = dut.send(request)
+        its = {getattr(it, "device_time_us", None) for it in answers}
+        assert len(its) == 1, answers
+        times_us += its
+    # The clock is read once for each request; the report of the fault is the same but for its time.
+    assert times_us == [(2**32 - 10 + 57 * count // 10) % 2**32 for count in range(1, 8)]
+    reports = [it for it in (*dut.send(EmergencyStop()), *dut.send(HELLO)) if isinstance(it, FaultReport)]
+    assert reports[0] == replace(reports[1], device_time_us=reports[0].device_time_us)
+    assert reports[0] != reports[1]
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_longer_requests_of_a_newer_host_are_those_of_this_version(name: str) -> None:
+    for state in ENTER:
+        dut, other = ENTER[state](), ENTER[state]()
+        body = open_frame(encode(REQUESTS[name], 9)[:-1])
+        assert dut.drive.receive(sealed(body + b"\x01\x00\xff")) == other.drive.receive(sealed(body))
+        assert dut.drive.state is other.drive.state
+
+
+def test_a_host_of_a_newer_minor_version_opens_a_session() -> None:
+    dut = DriveUnderTest()
+    identity = dut.only(Identity, Hello(PROTOCOL_VERSION, MINOR_VERSION + 1, SESSION))
+    assert (identity.protocol_version, identity.minor_version) == (PROTOCOL_VERSION, MINOR_VERSION)
+    assert dut.only(CommandResult, Arm(SESSION)).outcome is Outcome.ACCEPTED
+
+
+UNKNOWN_KINDS = sorted(set(range(1, 0x80)) - {it.KIND for it in HOST_MESSAGES})
+
+
+@pytest.mark.parametrize("state", ENTER)
+def test_unknown_requests_of_a_newer_host_are_answered_and_change_nothing(state: str) -> None:
+    dut = ENTER[state]()
+    for kind in UNKNOWN_KINDS:
+        for body, number in ((b"\x09", 9), (b"\xff" + bytes(50), 255), (b"", 0)):
+            answers = dut.numbered(dut.drive.receive(sealed(bytes([kind]) + body)))
+            if has_number(kind):
+                (answer,) = answers
+                assert answer.number == number
+                wanted = CommandResult(kind, Outcome.UNKNOWN_REQUEST, dut.drive.state, 0, device_time_us=0)
+                assert answer.message == wanted
+            else:
+                assert answers == []
+            assert dut.drive.state.label == state
+
+
+def test_unknown_requests_count_as_messages_and_feed_no_watchdog() -> None:
+    dut = DriveUnderTest().running()
+    dut.send(sample(0))
+    dut.clock.pass_us(15_000)
+    for kind in UNKNOWN_KINDS:
+        dut.drive.receive(sealed(bytes([kind, 1])))
+    report, _ = dut.send(Stop())
+    assert isinstance(report, LineReport)
+    assert (report.messages, report.damaged, report.refused) == (2 + len(UNKNOWN_KINDS), 0, 0)
+    dut.running().send(sample(0))
+    dut.clock.pass_us(15_000)
+    dut.drive.receive(sealed(b"\x7f\x01"))
+    dut.clock.pass_us(5_001)
+    assert dut.drive.tick() != b""

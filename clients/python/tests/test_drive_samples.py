@@ -17,7 +17,7 @@ from lashloop.messages import (
     TorqueAnswer,
 )
 from running_drive import SLOW, classification, fault, running_at, torque
-from support import DriveUnderTest, sample, table
+from support import DriveUnderTest, sample, sealed, table
 
 LAST = 2**16 - 2  # so that what follows wraps
 
@@ -175,7 +175,7 @@ def test_the_compute_time_is_device_time_and_saturates() -> None:
 
 def test_the_line_report_counts_per_run_including_the_stop() -> None:
     dut = DriveUnderTest().idle()
-    noise = b"\x05\x05\0" + b"\x55" * 100 + b"\0" + encode(LineReport(0, 0, 0, 0))
+    noise = b"\x05\x05\0" + b"\x55" * 100 + b"\0" + encode(LineReport(0, 0, 0, 0)) + sealed(b"\x7f\x05")
     dut.drive.receive(noise)
     dut.drive.note_overruns(5)
     dut = dut.running()
@@ -183,10 +183,11 @@ def test_the_line_report_counts_per_run_including_the_stop() -> None:
     dut.drive.receive(noise + b"\0\0\0")
     dut.drive.note_overruns(3)
     report, _ = dut.send(Stop())
-    assert report == LineReport(messages=2, damaged=2, refused=1, overruns=3)
+    # A request of an unknown kind is a message, and a message of a drive is refused.
+    assert report == LineReport(messages=3, damaged=2, refused=1, overruns=3, device_time_us=0)
     dut.running()
     report, _ = dut.send(Stop())
-    assert report == LineReport(messages=1, damaged=0, refused=0, overruns=0)
+    assert report == LineReport(messages=1, damaged=0, refused=0, overruns=0, device_time_us=0)
 
 
 def test_a_damaged_sample_changes_nothing_and_is_not_answered() -> None:

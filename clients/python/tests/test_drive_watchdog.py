@@ -48,7 +48,7 @@ def test_the_watchdog_runs_from_the_start() -> None:
 
 
 def test_only_accepted_samples_restart_the_watchdog() -> None:
-    for message in (sample(0), sample(1001), Hello(1, SESSION), GetParameter(0)):
+    for message in (sample(0), sample(1001), Hello.of(SESSION), GetParameter(0)):
         dut = running_at(0)
         dut.clock.pass_us(15_000)
         dut.send(message)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
@@ -11,7 +11,7 @@ from lashloop.control import ControlLaw, choice, f32, signal
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
 from lashloop.enums import Outcome, ParameterFlags, State
-from lashloop.host import DescriptionError, Host, ParameterRangeError, RejectedError, UnknownSignalError
+from lashloop.host import CountError, DescriptionError, Host, ParameterRangeError, RejectedError, UnknownSignalError
 from lashloop.messages import (
     Arm,
     CommandResult,
@@ -27,6 +27,8 @@ from simulated_link import SimulatedLink, opened, step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from simulated_link import Altered
 
 OTHER = ControlLaw(
     name="other",
@@ -102,11 +104,13 @@ def test_a_signal_that_the_drive_lacks_is_named_and_not_sent() -> None:
     assert link.count(Subscribe) == 0
 
 
-def test_a_signal_of_another_law_is_reported_at_arming_with_the_log() -> None:
+def test_a_signal_of_another_law_is_reported_at_arming_by_name() -> None:
     host = opened(two_laws())
     host.subscribe(["other_rad"])
-    with pytest.raises(RejectedError, match=r"Inconsistent, log: .other_rad isn't a signal of pd"):
+    expected = r"rejected Arm in state Idle: SignalOfOtherLaw \(other_rad isn't a signal of the law in force\)"
+    with pytest.raises(RejectedError, match=expected) as raised:
         host.arm()
+    assert raised.value.cause == "other_rad isn't a signal of the law in force"
     host.set("controller", "other")
     host.arm()
 
@@ -195,6 +199,22 @@ def test_a_drive_that_lacks_an_index_of_its_identity_is_reported() -> None:
         _ = host.parameters
 
 
+@pytest.mark.parametrize(
+    ("things", "field", "count", "allowed"),
+    [
+        ("laws", "law_count", 0, "1 to 16"),
+        ("laws", "law_count", 17, "1 to 16"),
+        ("signals", "signal_count", 33, "0 to 32"),
+        ("parameters", "parameter_count", 241, "0 to 240"),
+    ],
+)
+def test_numbers_that_a_drive_can_not_have_are_rejected(things: str, field: str, count: int, allowed: str) -> None:
+    link, counts = SimulatedLink(), cast("dict[str, Any]", {field: count})
+    link.alters = lambda it: [replace(it, **counts) if isinstance(it, Identity) else it]
+    with pytest.raises(CountError, match=f"the drive has {count} {things}, a drive has {allowed}: correct the drive"):
+        opened(link)
+
+
 @pytest.mark.parametrize(("name", "largest"), [("torque_limit_nm", "1000"), ("watchdog_us", "60000000")])
 def test_choices_of_a_parameter_that_can_not_have_them_are_an_error_of_the_drive(name: str, largest: str) -> None:
     def with_choices(message: DriveMessage) -> DriveMessage:
@@ -207,8 +227,8 @@ def test_choices_of_a_parameter_that_can_not_have_them_are_an_error_of_the_drive
 
 
 def test_late_descriptions_of_other_indices_are_no_answer() -> None:
-    def doubled(message: DriveMessage) -> list[DriveMessage]:
-        late = [
+    def doubled(message: DriveMessage) -> Altered:
+        late: list[DriveMessage] = [
             LawDescription(9, "late"),
             CommandResult(Arm.KIND, Outcome.ACCEPTED, State.ARMED),
             Telemetry(0, (1.0,)),

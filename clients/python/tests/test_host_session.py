@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from lashloop.enums import FaultCode, Outcome, ParameterValue, State, Version
+from lashloop.enums import Capabilities, FaultCode, Outcome, ParameterValue, State, Version
 from lashloop.host import (
     Host,
     ParameterRangeError,
@@ -18,7 +18,7 @@ from lashloop.host import (
 )
 from lashloop.link import LinkError
 from lashloop.messages import Arm, DriveMessage, Hello, Identity, ParameterReport
-from simulated_link import SimulatedLink, opened, running
+from simulated_link import SimulatedLink, opened, running, step
 from support import PARAMETER_COUNT
 
 
@@ -29,6 +29,7 @@ def test_a_silent_drive_times_out_after_a_hello_every_100_ms() -> None:
         opened(link)
     assert link.now_s == pytest.approx(2.5)
     assert link.count(Hello) == 25
+    assert set(link.numbers) == {1}
 
 
 def test_a_drive_that_starts_late_is_reached() -> None:
@@ -43,7 +44,7 @@ def test_an_identity_of_another_session_is_no_answer() -> None:
 
     def alters(message: DriveMessage) -> list[DriveMessage]:
         stale = (
-            Identity(1, 6, Version(9, 9, 9), 0, 1, State.IDLE, "old", 1, 1, 1, 1, 0, 0)
+            Identity(1, 0, 6, Version(9, 9, 9), 0, 1, State.IDLE, "old", 1, 1, 1, 1, 0, 0, Capabilities(0))
             if isinstance(message, Identity)
             else None
         )
@@ -81,12 +82,14 @@ def test_a_fault_latched_before_is_known_after_the_handshake() -> None:
     host.arm()
 
 
-def test_inconsistent_parameters_are_reported_with_the_log() -> None:
+def test_inconsistent_parameters_are_reported_by_name() -> None:
     host = opened(SimulatedLink())
     for name, number in (("motor_counts_per_rev", 2**24), ("load_counts_per_rev", 4), ("reduction_ratio", 10)):
         host.set(name, number)
-    with pytest.raises(RejectedError, match='Inconsistent, log: "motor counts per load count does'):
+    expected = r"Inconsistent \(motor_counts_per_rev does not go with the other parameters\)$"
+    with pytest.raises(RejectedError, match=expected) as raised:
         host.arm()
+    assert raised.value.cause == "motor_counts_per_rev does not go with the other parameters"
 
 
 def test_parameters_are_checked_before_anything_is_sent() -> None:
@@ -128,8 +131,15 @@ def test_a_value_that_reads_back_differently_is_an_error() -> None:
 
 def test_a_parameter_that_is_not_live_is_rejected_while_running() -> None:
     host = running(SimulatedLink())
-    with pytest.raises(ParameterRejectedError, match="k_p1 = 2: the drive answered WrongState and has 1 in force"):
-        host.set("k_p1", 2.0)
+    with pytest.raises(ParameterRejectedError, match="stiffness_nm_rad = 2: the drive answered WrongState and"):
+        host.set("stiffness_nm_rad", 2.0)
+
+
+def test_a_gain_is_set_while_running_and_takes_effect_with_the_next_sample() -> None:
+    host = running(SimulatedLink())
+    before_nm = step(host)
+    assert host.set("k_p1", 0.5) == 0.5
+    assert step(host) == pytest.approx(0.5 * before_nm, rel=1e-4)
 
 
 def test_a_request_is_sent_once_and_times_out_after_2_s() -> None:
@@ -140,6 +150,18 @@ def test_a_request_is_sent_once_and_times_out_after_2_s() -> None:
         host.arm()
     assert link.count(Arm) == 1
     assert link.now_s == pytest.approx(2.0)
+
+
+def test_requests_have_the_numbers_1_to_255_in_turn_and_samples_none() -> None:
+    link = SimulatedLink()
+    host = running(link)
+    first = len(link.sent)
+    for _ in range(300):
+        step(host)
+        host.get("k_p1")
+    assert set(link.numbers[first::2]) == {0}
+    numbers = [*link.numbers[:first], *link.numbers[first + 1 :: 2]]
+    assert numbers == [1 + it % 255 for it in range(len(numbers))]
 
 
 def test_a_reset_restores_defaults_in_a_new_session() -> None:
@@ -161,5 +183,5 @@ def test_a_far_end_that_accepts_nothing_times_out() -> None:
 
     host = opened(link)
     link.write = stuck  # type: ignore[method-assign]
-    with pytest.raises(LinkError, match=r"the far end accepted 0 of 11 bytes in 2 s"):
+    with pytest.raises(LinkError, match=r"the far end accepted 0 of 12 bytes in 2 s"):
         host.arm()

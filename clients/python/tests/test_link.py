@@ -59,7 +59,7 @@ def test_a_port_in_use_is_rejected(served: BackgroundDrive) -> None:
 
 def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: BackgroundDrive) -> None:
     line = open_port(served.path)
-    send_all(line, encode(Hello(1, 1))[:-1], SOON_S)
+    send_all(line, encode(Hello.of(1))[:-1], SOON_S)
     line.close()
     with Host.open(served.path) as host:
         assert host.identity.session != 1
@@ -87,7 +87,7 @@ def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served:
         host.arm()
         host.start()
         # Far more requests than the buffer of a terminal holds answers.
-        hellos = encode(Hello(1, host.identity.session)) * 100
+        hellos = encode(Hello.of(host.identity.session)) * 100
         line = host._line._link
         deadline = time.monotonic() + SOON_S
         while served.drive.state is State.RUNNING and time.monotonic() < deadline:
@@ -117,6 +117,7 @@ def test_a_law_that_raises_ends_the_drive_with_a_panic_report() -> None:
     assert isinstance(served.error, ZeroDivisionError)
     line = Broken.step.__code__.co_firstlineno + 2
     assert it.value.fault.message.detail == line
+    assert it.value.fault.message.device_time_us is not None
 
 
 def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
@@ -141,22 +142,22 @@ serve(streams, Drive([PD]))
 
 def test_prints_of_a_drive_on_standard_streams_do_not_disturb_the_link() -> None:
     ended = subprocess.run(
-        [sys.executable, "-c", PRINTING], input=encode(Hello(1, 1)), capture_output=True, timeout=SOON_S, check=True
+        [sys.executable, "-c", PRINTING], input=encode(Hello.of(1), 7), capture_output=True, timeout=SOON_S, check=True
     )
     noise, _, frame = ended.stdout.partition(b"\n")
     assert (noise, ended.stderr) == (b"before", b"after\n")
-    identity = decode(frame, FROM_DRIVE)
-    assert isinstance(identity, Identity)
-    assert identity.session == 1
+    item = decode(frame, FROM_DRIVE)
+    assert isinstance(item.message, Identity)
+    assert (item.number, item.message.session) == (7, 1)
 
 
 def test_a_drive_whose_host_closes_the_link_ends_without_an_error() -> None:
     host, drive = socket.socketpair()
     line = DescriptorLink(drive.detach(), "the socket")
-    host.send(encode(Hello(1, 1)))
+    host.send(encode(Hello.of(1)))
     host.shutdown(socket.SHUT_WR)
     serve(line, Drive([PD]))
-    assert len(host.recv(100)) == 52
+    assert len(host.recv(100)) == 59
     host.close()
     with pytest.raises(LinkClosedError, match="the link the socket has failed: its far end has closed"):
         line.write(b"\0", 0.0)

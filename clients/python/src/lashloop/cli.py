@@ -164,7 +164,8 @@ def _identify(arguments: argparse.Namespace) -> None:
         dirty = ", built from changed or unknown sources" if identity.dirty else ""
         print(f"board                 {identity.board}")
         print(f"firmware              {identity.firmware}, build {identity.build_id:08x}{dirty}")
-        print(f"protocol version      {identity.protocol_version}")
+        print(f"protocol version      {identity.protocol_version}.{identity.minor_version}")
+        print(f"capabilities          {identity.capabilities}")
         print(f"state                 {identity.state}")
         if host.fault is not None:
             print(f"fault                 {host.fault}")

@@ -5,10 +5,11 @@ A name ends in its unit by convention: `k_p1_nm_rad`, `load_error_rad`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lashloop.enums import Outcome, ParameterFlags, ParameterValue
+from lashloop.enums import Outcome, ParameterFlags, ParameterValue, single
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +28,10 @@ class ParameterSpec:
     min: ParameterValue
     max: ParameterValue
     live: bool = False
-    """Whether the parameter may be set while armed or running, with effect from the next sample."""
+    """Whether the parameter may be set while armed or running, with effect from the next sample.
+
+    See `lashloop.control.LiveController`.
+    """
     choices: tuple[str, ...] = ()
     """Names of the values 0, 1, ...; empty for a number."""
 
@@ -62,7 +66,9 @@ def u32(name: str, unit: str, default: int, low: int, high: int, *, live: bool =
 
 
 def f32(name: str, unit: str, default: float, low: float, high: float, *, live: bool = False) -> ParameterSpec:
-    """Declare a real parameter."""
+    """Declare a real parameter. Default and range are finite numbers."""
+    if not all(math.isfinite(single(it)) for it in (default, low, high)):
+        raise ValueError(f"{name}: {low} to {high} with the default {default}; all three are finite in binary32")
     return ParameterSpec(
         name, unit, ParameterValue.f32(default), ParameterValue.f32(low), ParameterValue.f32(high), live
     )

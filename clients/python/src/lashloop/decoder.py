@@ -6,15 +6,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic
 
 from lashloop.frames import (
-    MAX_FRAME,
     CrcError,
     Direction,
     FrameError,
     M,
     MalformedError,
+    Numbered,
     OversizedError,
+    UnknownKindError,
     open_frame,
 )
+from lashloop.limits import MAX_FRAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,6 +38,8 @@ class Counters:
     """Frames with a wrong CRC."""
     refused: int = 0
     """Whole frames that aren't messages of this direction and version."""
+    unknown: int = 0
+    """Whole frames of a kind that a newer peer has added."""
 
     @property
     def damaged(self) -> int:
@@ -58,7 +62,7 @@ class Decoder(Generic[M]):
         """Statistics up to the last item returned."""
         return replace(self._counters)
 
-    def feed(self, data: bytes) -> Iterator[M | FrameError]:
+    def feed(self, data: bytes) -> Iterator[Numbered[M] | FrameError]:
         """Yield the messages and bad frames that end in `data`. Exhaust the iterator before the next call.
 
         Consecutive delimiters are not frames: a sender clears the line with them.
@@ -76,7 +80,7 @@ class Decoder(Generic[M]):
         self._partial += piece[:free]
         self._dropped += max(len(piece) - free, 0)
 
-    def _close(self) -> M | FrameError:
+    def _close(self) -> Numbered[M] | FrameError:
         stuffed, dropped = self._partial, self._dropped
         self._partial, self._dropped = b"", 0
         try:
@@ -91,6 +95,9 @@ class Decoder(Generic[M]):
 
     def _count(self, error: FrameError, length: int) -> None:
         counters = self._counters
+        if isinstance(error, UnknownKindError):
+            counters.unknown += 1
+            return
         counters.discarded_bytes += length
         if isinstance(error, OversizedError):
             counters.oversized += 1

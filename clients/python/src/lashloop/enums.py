@@ -1,6 +1,6 @@
 """The lists of values on the wire, section 5 of `docs/protocol.md`.
 
-Lists are closed: a message with any other byte is rejected.
+Lists are open: a newer peer may send values and flags without a name here. They are kept; 0 is never a value.
 """
 
 from __future__ import annotations
@@ -9,9 +9,14 @@ import math
 import struct
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _SINGLE = struct.Struct("<f")
 _MAX_PLAIN_INTEGER = 1e9
+_LARGEST_BYTE = 255
 
 
 def single(number: float) -> float:
@@ -32,15 +37,35 @@ def shortest(number: float) -> str:
 
 
 class WireEnum(IntEnum):
-    """A closed list of values of one byte."""
+    """An open list of values of one byte: any byte but 0 is a value, `FaultCode(77)` too."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> Self | None:
+        if not isinstance(value, int) or not 0 < value <= _LARGEST_BYTE:
+            return None
+        unknown = int.__new__(cls, value)
+        unknown._name_, unknown._value_ = f"UNKNOWN_{value}", value
+        # Kept as the values with a name are, so that `is` compares these too.
+        return cast("Self", cls._value2member_map_.setdefault(value, unknown))
+
+    def __reduce_ex__(self, proto: object) -> tuple[type[Self], tuple[int]]:
+        """Copy and pickle by value: some versions of Python do it by name, which not every value has."""
+        return type(self), (self.value,)
+
+    @property
+    def is_named(self) -> bool:
+        """Whether this version of the protocol has a name for the value."""
+        return self.name in type(self).__members__
 
     @property
     def label(self) -> str:
-        """Name in the specification."""
+        """Name in the specification, or `unknown 77`."""
+        if not self.is_named:
+            return f"unknown {self.value}"
         return "".join(word.capitalize() for word in self.name.split("_"))
 
     def __str__(self) -> str:
-        """Return the name in the specification."""
+        """Return the label."""
         return self.label
 
 
@@ -90,6 +115,8 @@ class Outcome(WireEnum):
     INCONSISTENT = 9
     POWER_STAGE_FAULT = 10
     ENCODER_IMPLAUSIBLE = 11
+    UNKNOWN_REQUEST = 12
+    SIGNAL_OF_OTHER_LAW = 13
 
 
 class LogLevel(WireEnum):
@@ -115,8 +142,22 @@ class ParameterFlags(IntFlag):
     CHOICES = 0x02
 
 
+class Capabilities(IntFlag):
+    """What a drive can do beyond what every drive must. A bit without a name is kept."""
+
+    DEVICE_TIME = 0x01
+    BENCH_MODE = 0x02
+    LOADER = 0x04
+
+    def __str__(self) -> str:
+        """Name the capabilities in words, and the bits without a name as a number."""
+        words = [it.name.lower().replace("_", " ") for it in Capabilities if it in self and it.name is not None]
+        rest = self.value & ~sum(it.value for it in Capabilities)
+        return ", ".join([*words, *([f"unknown {rest:#04x}"] if rest else [])]) or "none"
+
+
 class TorqueFlags(IntFlag):
-    """Conditions of a torque."""
+    """Conditions of a torque. A bit without a name is one of a newer drive and is kept."""
 
     SATURATED = 0x10
     REPEATED = 0x20
@@ -150,6 +191,7 @@ class ParameterValue:
 
     type: ParameterType
     value: int | float
+    """The number. Of a type without a name the four bytes, least significant first, as an unsigned integer."""
 
     @classmethod
     def u32(cls, value: int) -> ParameterValue:
@@ -162,5 +204,7 @@ class ParameterValue:
         return cls(ParameterType.F32, single(value))
 
     def __str__(self) -> str:
-        """Return the number with the digits of its type."""
-        return str(self.value) if self.type is ParameterType.U32 else shortest(float(self.value))
+        """Return the number with the digits of its type; of a type without a name its bytes and the type."""
+        if self.type is ParameterType.F32:
+            return shortest(float(self.value))
+        return str(self.value) if self.type.is_named else f"{self.value:#010x} ({self.type})"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import google_crc32c
 from cobs import cobs
 
 from lashloop.errors import LashloopError
-from lashloop.layout import MAX_BODY, MAX_FRAME, OVERHEAD
+from lashloop.layout import has_number
+from lashloop.limits import MAX_FRAME, MINOR_VERSION, PROTOCOL_VERSION
 from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, DriveMessage, HostMessage, Message
 
 if TYPE_CHECKING:
@@ -22,16 +24,15 @@ __all__ = [
     "DELIMITER",
     "FROM_DRIVE",
     "FROM_HOST",
-    "MAX_BODY",
-    "MAX_FRAME",
-    "OVERHEAD",
     "BodyError",
     "CrcError",
     "Direction",
     "FrameError",
     "M",
     "MalformedError",
+    "Numbered",
     "OversizedError",
+    "UnknownKindError",
     "crc32c",
     "decode",
     "encode",
@@ -39,6 +40,15 @@ __all__ = [
 ]
 
 M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class Numbered(Generic[M]):
+    """A message, and the number of the request that it is or answers."""
+
+    number: int
+    """1 to 255 as the host chose it, 0 for none; 0 of every kind without a number."""
+    message: M
 
 
 class FrameError(LashloopError):
@@ -65,32 +75,45 @@ class BodyError(FrameError):
     """The frame is whole but isn't a message of this version and direction."""
 
 
+class UnknownKindError(BodyError):
+    """The frame is whole and of a kind that a newer peer has added. It is skipped, and not refused."""
+
+    def __init__(self, kind: int, number: int) -> None:
+        """Name the kind; the number is that of the request or answer, 0 if the body has none."""
+        super().__init__(f"kind {kind:#04x} is not known to protocol version {PROTOCOL_VERSION}.{MINOR_VERSION}")
+        self.kind, self.number = kind, number
+
+
 class Direction(Generic[M]):
     """One direction, with the messages of its sender."""
 
-    def __init__(self, sender: str, messages: Iterable[type[M]]) -> None:
-        """Index the messages by kind."""
+    def __init__(self, sender: str, messages: Iterable[type[M]], kinds: range) -> None:
+        """Index the messages by kind; the sender's messages of any version have these kinds."""
         self.sender = sender
         self._layouts = {LAYOUTS[it].kind: LAYOUTS[it] for it in messages}
+        self._kinds = kinds
 
-    def read_body(self, body: bytes) -> M:
+    def read_body(self, body: bytes) -> Numbered[M]:
         """Decode a body; `BodyError` if it isn't a message of this direction."""
-        layout = self._layouts.get(body[0])
+        kind = body[0]
+        number = body[1] if has_number(kind) and len(body) > 1 else 0
+        layout = self._layouts.get(kind)
         if layout is None:
-            raise BodyError(f"kind {body[0]:#04x} is not a message of the {self.sender}")
-        lens = layout.body_lens
-        if len(body) not in lens:
-            allowed = str(lens[0]) if len(lens) == 1 else f"{lens[0]} to {lens[-1]} in steps of {lens[1] - lens[0]}"
-            raise BodyError(f"a body of {len(body)} bytes, {layout.name} has {allowed}")
+            if kind in self._kinds:
+                raise UnknownKindError(kind, number)
+            raise BodyError(f"kind {kind:#04x} is not a kind of the {self.sender}")
+        if not layout.takes(len(body)):
+            shortest, *more = layout.body_lens
+            steps = f"{shortest} to {more[-1]} in steps of {more[0] - shortest}" if len(body) >= shortest else ""
+            raise BodyError(f"a body of {len(body)} bytes, {layout.name} has {steps or f'at least {shortest}'}")
         try:
-            message: M = layout.decode(body)
+            return Numbered(number, layout.decode(body))
         except ValueError as error:
             raise BodyError(f"a field of {layout.name} holds no value of its type: {error}") from error
-        return message
 
 
-FROM_HOST: Direction[HostMessage] = Direction("host", HOST_MESSAGES)
-FROM_DRIVE: Direction[DriveMessage] = Direction("drive", DRIVE_MESSAGES)
+FROM_HOST: Direction[HostMessage] = Direction("host", HOST_MESSAGES, range(0x01, 0x80))
+FROM_DRIVE: Direction[DriveMessage] = Direction("drive", DRIVE_MESSAGES, range(0x81, 0x100))
 
 
 def crc32c(data: bytes) -> int:
@@ -99,9 +122,12 @@ def crc32c(data: bytes) -> int:
     return checksum
 
 
-def encode(message: Message) -> bytes:
-    """Return the frame of a message, delimiter included; `FieldError` for a value outside its field's range."""
-    body = LAYOUTS[type(message)].encode(message)
+def encode(message: Message, number: int = 0) -> bytes:
+    """Return the frame of a message, delimiter included; `FieldError` for a value outside its field's range.
+
+    `number` is that of the request, or of the request that the message answers; kinds without a number ignore it.
+    """
+    body = LAYOUTS[type(message)].encode(message, number)
     stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(_CRC_LEN, "little"))
     return stuffed + DELIMITER
 
@@ -123,6 +149,6 @@ def open_frame(stuffed: bytes) -> bytes:
     return body
 
 
-def decode(frame: bytes, direction: Direction[M]) -> M:
+def decode(frame: bytes, direction: Direction[M]) -> Numbered[M]:
     """Decode one whole frame, with or without its delimiter; `FrameError` if it isn't a message."""
     return direction.read_body(open_frame(frame.removesuffix(DELIMITER)))

@@ -1,6 +1,7 @@
 """The layout of fields in a body, section 3 of `docs/protocol.md`.
 
-A message class declares each field once, annotated with its wire type; the layout follows from the declaration.
+A message class declares each field once, annotated with its wire type; the layout follows from the declaration. A body
+may be longer than its layout: a newer minor version has added fields, which are ignored.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from operator import attrgetter, index
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 from lashloop.enums import (
+    Capabilities,
     FaultCode,
     LogLevel,
     Outcome,
@@ -23,19 +25,15 @@ from lashloop.enums import (
     Version,
 )
 from lashloop.errors import FieldError
+from lashloop.limits import MAX_TELEMETRY_VALUES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-MAX_FRAME = 64
-"""Longest frame in bytes, COBS code and delimiter included."""
-OVERHEAD = 6
-"""Bytes of a frame beyond its body."""
-MAX_BODY = MAX_FRAME - OVERHEAD
-"""Longest body in bytes."""
-MAX_TELEMETRY_VALUES = (MAX_BODY - 3) // 4
-"""Most values of one telemetry: what the longest body holds besides kind and sequence."""
+def has_number(kind: int) -> bool:
+    """Whether the number of a request follows the kind byte, also of a kind that nobody knows yet."""
+    return kind & 0x70 != 0x10
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +42,7 @@ class Wire:
 
     `pack` and `unpack` convert between the value and the operand of `struct` for `code`; they raise `ValueError` for
     a value outside the type. None means no conversion. A repeated type, of the last field only, holds `code` at least
-    once, up to the end of the body.
+    once, up to the end of the body. An optional type, of the last field only, may be absent: its value is None.
     """
 
     name: str
@@ -54,9 +52,12 @@ class Wire:
     unpack: Callable[[Any], Any] | None = None
     most: int | None = None
     """Largest number of elements of a repeated type; None for a type of fixed length."""
+    optional: bool = False
 
     def check(self, value: Any) -> None:
         """Raise the error of a value outside the type."""
+        if self.optional and value is None:
+            return
         if self.most is not None and not 1 <= len(value) <= self.most:
             raise ValueError(value)
         elements = [value] if self.most is None else value
@@ -81,12 +82,13 @@ def _text(size: int) -> Wire:
 
 
 def _pack_value(value: ParameterValue) -> bytes:
-    return struct.pack("<BI" if value.type is ParameterType.U32 else "<Bf", value.type, value.value)
+    kind = ParameterType(value.type)
+    return struct.pack("<Bf" if kind is ParameterType.F32 else "<BI", kind, value.value)
 
 
 def _unpack_value(data: bytes) -> ParameterValue:
     kind = ParameterType(data[0])
-    (number,) = struct.unpack("<I" if kind is ParameterType.U32 else "<f", data[1:])
+    (number,) = struct.unpack("<f" if kind is ParameterType.F32 else "<I", data[1:])
     return ParameterValue(kind, number)
 
 
@@ -103,26 +105,23 @@ def _unpack_i24(data: bytes) -> int:
 
 
 def _pack_status(status: TorqueStatus) -> int:
-    return State(status.state) | _named_flags(status.flags)
+    state, flags = int(State(status.state)), int(status.flags)
+    if state & _FLAG_MASK or flags & _STATE_MASK:
+        raise ValueError(status)
+    return state | flags
 
 
 def _unpack_status(byte: int) -> TorqueStatus:
-    return TorqueStatus(State(byte & _STATE_MASK), _named_flags(byte & ~_STATE_MASK))
+    return TorqueStatus(State(byte & _STATE_MASK), TorqueFlags(byte & _FLAG_MASK))
 
 
-def _named_flags(bits: int) -> TorqueFlags:
-    if bits & ~_ALL_TORQUE_FLAGS:
-        raise ValueError(bits)
-    return TorqueFlags(bits)
-
-
-_ALL_TORQUE_FLAGS = sum(TorqueFlags)
 # Bits of a status byte that hold the state; the others are flags.
-_STATE_MASK = 0x0F
+_STATE_MASK, _FLAG_MASK = 0x0F, 0xF0
 
 U8 = Annotated[int, Wire("u8", "B", "0 to 255")]
 U16 = Annotated[int, Wire("u16", "H", "0 to 65535")]
 U32 = Annotated[int, Wire("u32", "I", "0 to 4294967295")]
+OptionalU32 = Annotated[int | None, Wire("u32", "I", "0 to 4294967295, or None", optional=True)]
 I24 = Annotated[int, Wire("i24", "3s", "-8388608 to 8388607", _pack_i24, _unpack_i24)]
 F32 = Annotated[float, Wire("f32", "f", "-3.4028235e38 to 3.4028235e38, infinite or NaN")]
 F32s = Annotated[
@@ -135,7 +134,7 @@ Text27 = Annotated[str, _text(27)]
 Text28 = Annotated[str, _text(28)]
 Text32 = Annotated[str, _text(32)]
 Text52 = Annotated[str, _text(52)]
-Value = Annotated[ParameterValue, Wire("value", "5s", "a U32 or an F32 within its type", _pack_value, _unpack_value)]
+Value = Annotated[ParameterValue, Wire("value", "5s", "a number within its type", _pack_value, _unpack_value)]
 VersionField = Annotated[
     Version,
     Wire(
@@ -151,7 +150,7 @@ FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
 StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
-# Unlike a torque flag, a bit without a name isn't an error.
+CapabilitiesField = Annotated[Capabilities, Wire("flags8", "B", "8 bits", None, Capabilities)]
 ParameterFlagsField = Annotated[ParameterFlags, Wire("flags8", "B", "8 bits", None, ParameterFlags)]
 
 
@@ -165,7 +164,7 @@ class Field:
 
 
 class Layout:
-    """The body of one kind of message: the kind byte, then the fields."""
+    """The body of one kind of message: the kind byte, the number if the kind has one, then the fields."""
 
     def __init__(self, message: type[Any]) -> None:
         """Derive the layout of a message class from its annotations."""
@@ -173,60 +172,88 @@ class Layout:
         wires = [(field.name, _wire_of(hints[field.name])) for field in fields(message)]
         self.name = message.__name__
         self.kind: int = message.KIND
+        self.has_number = has_number(self.kind)
         self.message = message
+        head = "<BB" if self.has_number else "<B"
+        codes = [head, *(wire.code for _, wire in wires)]
         self.fields = tuple(
-            Field(name, wire, struct.calcsize("<B" + "".join(it.code for _, it in wires[:place])))
-            for place, (name, wire) in enumerate(wires)
+            Field(name, wire, struct.calcsize("".join(codes[:place]))) for place, (name, wire) in enumerate(wires, 1)
         )
-        most = wires[-1][1].most if wires else None
-        self._is_repeated = most is not None
-        self._fixed = len(wires) - self._is_repeated
-        fixed_codes = "<B" + "".join(wire.code for _, wire in wires[: self._fixed])
-        structs = (
-            [struct.Struct(fixed_codes)]
-            if most is None
-            else [struct.Struct(fixed_codes + wires[-1][1].code * count) for count in range(1, most + 1)]
-        )
-        self._by_operands = dict(enumerate(structs, len(wires)))
-        self._by_len = {it.size: it for it in structs}
+        last = wires[-1][1] if wires else None
+        self._is_repeated = last is not None and last.most is not None
+        self._is_optional = last is not None and last.optional
+        self._before_last = len(wires) - 1
+        forms = _forms(head, [wire for _, wire in wires])
+        self._by_operands = forms
+        self._by_len = {it.size: it for it in forms.values()}
         self._values = _getter([name for name, _ in wires])
         self._packs = [(place, wire.pack) for place, (_, wire) in enumerate(wires) if wire.pack]
         self._unpacks = [(place, wire.unpack) for place, (_, wire) in enumerate(wires) if wire.unpack]
 
     @property
     def body_lens(self) -> list[int]:
-        """Lengths that a body of this kind may have, in bytes; one, unless the last field repeats."""
+        """Lengths that a body of this version may have, in bytes, ascending."""
         return list(self._by_len)
 
-    def encode(self, message: object) -> bytes:
+    def takes(self, length: int) -> bool:
+        """Whether a body of this length is accepted: also one with more fields, unless the last field repeats."""
+        return self._form(length) is not None
+
+    def encode(self, message: object, number: int = 0) -> bytes:
         """Return the body of a message; `FieldError` for a value outside its field's range."""
         values = list(self._values(message))
         try:
             for place, pack in self._packs:
                 values[place] = pack(values[place])
             if self._is_repeated:
-                values[self._fixed :] = values[self._fixed]
-            return self._by_operands[len(values)].pack(self.kind, *values)
+                values[self._before_last :] = values[self._before_last]
+            elif self._is_optional and values[-1] is None:
+                del values[-1]
+            head = (self.kind, number) if self.has_number else (self.kind,)
+            return self._by_operands[len(values)].pack(*head, *values)
         except (struct.error, ValueError, KeyError, OverflowError, TypeError, AttributeError):
-            self._blame(message)
+            self._blame(message, number)
             raise
 
     def decode(self, body: bytes) -> Any:
-        """Decode a body of this kind and of one of its lengths; `ValueError` if a field holds no value of its type."""
-        values: list[Any] = list(self._by_len[len(body)].unpack(body)[1:])
+        """Decode a body of this kind and a length that it takes; `ValueError` if a field has no value of its type."""
+        form = self._form(len(body))
+        if form is None:
+            raise ValueError(body)
+        values: list[Any] = list(form.unpack_from(body)[2 if self.has_number else 1 :])
         if self._is_repeated:
-            values[self._fixed :] = [tuple(values[self._fixed :])]
+            values[self._before_last :] = [tuple(values[self._before_last :])]
+        elif len(values) < len(self.fields):
+            values.append(None)
         for place, unpack in self._unpacks:
             values[place] = unpack(values[place])
         return self.message(*values)
 
-    def _blame(self, message: object) -> None:
+    def _form(self, length: int) -> struct.Struct | None:
+        """Return the longest form within so many bytes, or the one of exactly that length if the last field repeats."""
+        if self._is_repeated or length in self._by_len:
+            return self._by_len.get(length)
+        return next((it for it in reversed(self._by_len.values()) if it.size <= length), None)
+
+    def _blame(self, message: object, number: int) -> None:
+        if self.has_number and number not in range(256):
+            raise FieldError(self.name, "number", number, "0 to 255") from None
         for field in self.fields:
             value = getattr(message, field.name)
             try:
                 field.wire.check(value)
             except (struct.error, ValueError, OverflowError, TypeError, AttributeError):
                 raise FieldError(self.name, field.name, value, field.wire.allowed) from None
+
+
+def _forms(head: str, wires: list[Wire]) -> dict[int, struct.Struct]:
+    """Return the forms of a body by the number of values: several if the last field repeats or is optional."""
+    if not wires:
+        return {0: struct.Struct(head)}
+    *others, last = wires
+    counts = range(1, last.most + 1) if last.most else range(0 if last.optional else 1, 2)
+    before = head + "".join(it.code for it in others)
+    return {len(others) + count: struct.Struct(before + last.code * count) for count in counts}
 
 
 def _wire_of(annotation: Any) -> Wire:

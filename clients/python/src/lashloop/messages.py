@@ -1,4 +1,4 @@
-"""The messages of protocol version 1, section 4 of `docs/protocol.md`. A field's name ends in its unit."""
+"""The messages of protocol version 1.0, section 4 of `docs/protocol.md`. A field's name ends in its unit."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from lashloop.layout import (
     U8,
     U16,
     U32,
+    CapabilitiesField,
     F32s,
     FaultCodeField,
     Layout,
     LogLevelField,
+    OptionalU32,
     OutcomeField,
     ParameterFlagsField,
     StateField,
@@ -28,8 +30,7 @@ from lashloop.layout import (
     Value,
     VersionField,
 )
-
-PROTOCOL_VERSION = 1
+from lashloop.limits import MINOR_VERSION, PROTOCOL_VERSION
 
 
 class Message:
@@ -57,7 +58,13 @@ class Hello(HostMessage):
 
     KIND: ClassVar[int] = 0x01
     protocol_version: U8
+    minor_version: U8
     session: U32
+
+    @classmethod
+    def of(cls, session: int) -> Hello:
+        """Open this session with the versions of this package."""
+        return cls(PROTOCOL_VERSION, MINOR_VERSION, session)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +154,7 @@ class DescribeSignal(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class DescribeChoice(HostMessage):
-    """Requests the name of a value of a parameter with choices."""
+    """Requests the name of a value of a parameter with choices, or of one of the drive's lists (`limits`)."""
 
     KIND: ClassVar[int] = 0x0D
     parameter: U8
@@ -164,6 +171,14 @@ class Subscribe(HostMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class EnterLoader(HostMessage):
+    """Starts the boot loader."""
+
+    KIND: ClassVar[int] = 0x0F
+    session: U32
+
+
+@dataclass(frozen=True, slots=True)
 class EncoderSample(HostMessage):
     """Readings of the two encoders at the start of a control period."""
 
@@ -176,19 +191,11 @@ class EncoderSample(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class Reference(HostMessage):
-    """Reference of bench mode, section 18; restarts the watchdog."""
+    """Reference of bench mode; restarts the watchdog."""
 
     KIND: ClassVar[int] = 0x11
     number: U16
     reference_rad: F32
-
-
-@dataclass(frozen=True, slots=True)
-class EnterLoader(HostMessage):
-    """Starts the boot loader, section 19."""
-
-    KIND: ClassVar[int] = 0x12
-    session: U32
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +204,7 @@ class Identity(DriveMessage):
 
     KIND: ClassVar[int] = 0x81
     protocol_version: U8
+    minor_version: U8
     session: U32
     firmware: VersionField
     build_id: U32
@@ -209,6 +217,8 @@ class Identity(DriveMessage):
     law_count: U8
     signal_count: U8
     parameter_count: U8
+    capabilities: CapabilitiesField
+    device_time_us: OptionalU32 = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,6 +245,20 @@ class ParameterReport(DriveMessage):
     outcome: OutcomeField
     value: Value
     state: StateField
+    detail: U32 = 0
+    device_time_us: OptionalU32 = None
+
+
+@dataclass(frozen=True, slots=True)
+class LineReport(DriveMessage):
+    """Receive statistics of the drive since the last start."""
+
+    KIND: ClassVar[int] = 0x84
+    messages: U32
+    damaged: U32
+    refused: U32
+    overruns: U32
+    device_time_us: OptionalU32 = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,6 +269,8 @@ class CommandResult(DriveMessage):
     request: U8
     outcome: OutcomeField
     state: StateField
+    detail: U32 = 0
+    device_time_us: OptionalU32 = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,7 +295,7 @@ class SignalDescription(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class ChoiceDescription(DriveMessage):
-    """Name of a value of a parameter with choices."""
+    """Name of a value of a parameter with choices, or of one of the drive's lists."""
 
     KIND: ClassVar[int] = 0x88
     parameter: U8
@@ -307,6 +333,7 @@ class FaultReport(DriveMessage):
     value: F32
     limit: F32
     detail: U32
+    device_time_us: OptionalU32 = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,22 +343,12 @@ class Log(DriveMessage):
     KIND: ClassVar[int] = 0x93
     level: LogLevelField
     text: Text52
-
-
-@dataclass(frozen=True, slots=True)
-class LineReport(DriveMessage):
-    """Receive statistics of the drive since the last start."""
-
-    KIND: ClassVar[int] = 0x94
-    messages: U32
-    damaged: U32
-    refused: U32
-    overruns: U32
+    device_time_us: OptionalU32 = None
 
 
 @dataclass(frozen=True, slots=True)
 class BenchSample(DriveMessage):
-    """Counts, torque and times of one control step of bench mode, section 18."""
+    """Counts, torque and times of one control step of bench mode."""
 
     KIND: ClassVar[int] = 0x95
     sequence: U16
@@ -359,14 +376,15 @@ HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     DescribeSignal,
     DescribeChoice,
     Subscribe,
+    EnterLoader,
     EncoderSample,
     Reference,
-    EnterLoader,
 )
 DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     Identity,
     ParameterDescription,
     ParameterReport,
+    LineReport,
     CommandResult,
     LawDescription,
     SignalDescription,
@@ -375,7 +393,6 @@ DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     Telemetry,
     FaultReport,
     Log,
-    LineReport,
     BenchSample,
 )
 LAYOUTS: dict[type[Message], Layout] = {it: Layout(it) for it in (*HOST_MESSAGES, *DRIVE_MESSAGES)}

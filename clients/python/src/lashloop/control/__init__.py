@@ -7,7 +7,7 @@ See `lashloop.control.cascade`, the law of the drive in this package.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from lashloop.declarations import ParameterSpec, SignalSpec, choice, f32, signal, u32
 from lashloop.errors import LashloopError
@@ -21,6 +21,7 @@ __all__ = [
     "ControlOutput",
     "Controller",
     "InconsistentError",
+    "LiveController",
     "ParameterSpec",
     "SignalSpec",
     "choice",
@@ -63,6 +64,18 @@ class Controller(Protocol):
         """Process one sample and return the torque for it."""
 
 
+@runtime_checkable
+class LiveController(Controller, Protocol):
+    """A controller that takes over live parameters. Without `update` it may read the mapping at each step."""
+
+    def update(self, parameters: Mapping[str, float]) -> None:
+        """Take over all values after a live parameter was set; they are in force from the next sample.
+
+        Called while armed or running, with all parameters by name. `InconsistentError` before anything is taken over
+        refuses the new value: the old one stays in force.
+        """
+
+
 @dataclass(frozen=True, kw_only=True)
 class ControlLaw:
     """A control law that a drive offers."""
@@ -76,7 +89,8 @@ class ControlLaw:
     build: Callable[[Mapping[str, float]], Controller]
     """Builds a controller from all parameters by name; raises `InconsistentError` if they contradict each other.
 
-    The mapping gives the values in force: a law that declares a live parameter reads it at each step.
+    The mapping gives the values in force: a law that declares a live parameter has `update`, see `LiveController`, or
+    reads the mapping at each step.
     """
 
 
@@ -84,5 +98,6 @@ class InconsistentError(LashloopError):
     """Parameters, each within its range, that contradict each other."""
 
     def __init__(self, name: str) -> None:
-        """Name the parameter."""
-        super().__init__(f"{name} does not go with the others")
+        """Name the parameter, as the drive declares it: the host gets its index."""
+        super().__init__(f"{name} does not go with the other parameters")
+        self.name = name

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 PARAMETERS: tuple[ParameterSpec, ...] = (
     real("motor_filter_rad_s", "rad/s", 400.0, 0.01, 1e6),
     real("load_filter_rad_s", "rad/s", 200.0, 0.01, 1e6),
-    real("k_p1", "N m/rad", 1.0, 0.0, 1e6),
-    real("k_d1", "N m s/rad", 0.01, 0.0, 1e6),
-    real("k_p2", "", 10.0, 0.0, 1e6),
-    real("k_d2", "s", 10.0, 0.0, 1e6),
-    real("k_1", "", 1.0, 0.0, 1e6),
+    real("k_p1", "N m/rad", 1.0, 0.0, 1e6, live=True),
+    real("k_d1", "N m s/rad", 0.01, 0.0, 1e6, live=True),
+    real("k_p2", "", 10.0, 0.0, 1e6, live=True),
+    real("k_d2", "s", 10.0, 0.0, 1e6, live=True),
+    real("k_1", "", 1.0, 0.0, 1e6, live=True),
     real("motor_inertia_kg_m2", "kg m^2", 9.72e-4, 1e-9, 1e3),
     real("motor_friction_nm_s_rad", "N m s/rad", 4.3e-4, 0.0, 1e4),
     real("motor_coulomb_nm", "N m", 0.0, 0.0, 1e3),
@@ -39,7 +39,7 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
 )
 """Filters, gains and nominal mechanics, with the paper's tables 1 and 2 as defaults.
 
-They are those of the firmware's law. `motor_coulomb_nm` has no effect without compensation.
+They are those of the firmware's law. The gains are live. `motor_coulomb_nm` has no effect without compensation.
 """
 
 SIGNALS: tuple[SignalSpec, ...] = (
@@ -59,12 +59,10 @@ class CascadedPd:
     """The two loops without compensation, in single precision and in the firmware's order of operations."""
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
-        """Take gains and nominal mechanics from the parameters of section 14 of `docs/protocol.md`."""
+        """Take gains and nominal mechanics from the parameters of `docs/protocol/lashloop-drive.md`."""
         self._sensing = Sensing(parameters)
+        self.update(parameters)
         value = {name: f32(number) for name, number in parameters.items()}
-        self._k_p1, self._k_d1 = value["k_p1"], value["k_d1"]
-        self._k_p2, self._k_d2 = value["k_p2"], value["k_d2"]
-        self._k_1 = value["k_1"]
         self._stiffness_nm_rad = value["stiffness_nm_rad"]
         self._dead_zone_rad = float(value["dead_zone_rad"])
         self._ratio = value["reduction_ratio"]
@@ -72,6 +70,12 @@ class CascadedPd:
         self._load_friction = value["load_friction_nm_s_rad"] / self._ratio
         self._whole_inertia = value["motor_inertia_kg_m2"] * self._ratio + self._load_inertia
         self._whole_friction = value["motor_friction_nm_s_rad"] * self._ratio + self._load_friction
+
+    def update(self, parameters: Mapping[str, float]) -> None:
+        """Take over the gains, which are live; any values go together."""
+        self._k_p1, self._k_d1 = f32(parameters["k_p1"]), f32(parameters["k_d1"])
+        self._k_p2, self._k_d2 = f32(parameters["k_p2"]), f32(parameters["k_d2"])
+        self._k_1 = f32(parameters["k_1"])
 
     def step(self, sample: ControlInput) -> ControlOutput:
         """Process one sample and return the torque for it."""

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
-from lashloop.enums import FaultCode, LogLevel, State, Version, single
-from lashloop.frames import DELIMITER, encode
+from lashloop.enums import Capabilities, FaultCode, Outcome, State, Version, single
+from lashloop.limits import MINOR_VERSION, PROTOCOL_VERSION
 from lashloop.messages import (
-    PROTOCOL_VERSION,
+    CommandResult,
     FaultReport,
     Identity,
     LineReport,
     Log,
+    ParameterReport,
     Telemetry,
 )
 
@@ -20,10 +21,20 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from lashloop.decoder import Counters
+    from lashloop.messages import DriveMessage
 
 _BOARD_BYTES = 16
-_LOG_BYTES = 52
 _U32_MAX = 2**32 - 1
+
+
+class Result(NamedTuple):
+    """Outcome of a request, and the cause of a refusal as a number that the outcome defines."""
+
+    outcome: Outcome
+    detail: int = 0
+
+
+ACCEPTED = Result(Outcome.ACCEPTED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +52,7 @@ class Nameplate:
         """Return the answer to a `Hello`."""
         return Identity(
             protocol_version=PROTOCOL_VERSION,
+            minor_version=MINOR_VERSION,
             session=session,
             firmware=self.firmware,
             build_id=self.build_id,
@@ -53,7 +65,15 @@ class Nameplate:
             law_count=self.law_count,
             signal_count=self.signal_count,
             parameter_count=len(parameters),
+            capabilities=Capabilities.DEVICE_TIME,
         )
+
+
+def timed(message: DriveMessage, now_ns: int) -> DriveMessage:
+    """Return the message with this device time, if its kind has the field."""
+    if isinstance(message, Identity | ParameterReport | LineReport | CommandResult | FaultReport | Log):
+        return replace(message, device_time_us=now_ns // 1000 & _U32_MAX)
+    return message
 
 
 def telemetry(sequence: int, values: Iterable[float]) -> Telemetry:
@@ -62,19 +82,15 @@ def telemetry(sequence: int, values: Iterable[float]) -> Telemetry:
 
 
 def line_report(now: Counters, before: Counters, overruns: int) -> LineReport:
-    """Return the receive statistics between two readings of the counters."""
-    counts = (now.messages - before.messages, now.damaged - before.damaged, now.refused - before.refused, overruns)
+    """Return the receive statistics between two readings of the counters. Requests of unknown kinds are messages."""
+    messages = now.messages + now.unknown - before.messages - before.unknown
+    counts = (messages, now.damaged - before.damaged, now.refused - before.refused, overruns)
     return LineReport(*(min(count, _U32_MAX) for count in counts))
 
 
-def log(level: LogLevel, text: str) -> Log:
-    """Return a log text, truncated to its field."""
-    return Log(level, _fitted(text, _LOG_BYTES))
-
-
-def fault_frame(line_number: int) -> bytes:
-    """Return the frame of a drive whose program has failed: a delimiter, and a fault with the source line."""
-    return DELIMITER + encode(FaultReport(FaultCode.PANIC, 0, 0.0, 0.0, line_number))
+def panic(line_number: int) -> FaultReport:
+    """Return the report of a drive whose program has failed in this line of its source."""
+    return FaultReport(FaultCode.PANIC, 0, 0.0, 0.0, line_number)
 
 
 def _fitted(text: str, size: int) -> str:

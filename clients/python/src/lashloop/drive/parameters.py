@@ -1,6 +1,6 @@
 """The parameters of every drive, and the values in force.
 
-Names, units, defaults and ranges are those of section 14 of `docs/protocol.md`, so that scenarios written for the
+Names, units, defaults and ranges are those of `docs/protocol/lashloop-drive.md`, so that scenarios written for the
 firmware apply. The parameters of a control law are declared next to the law.
 """
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from lashloop.control import ControlInput, ControlOutput, InconsistentError
+from lashloop.control import ControlInput, ControlOutput, InconsistentError, LiveController
 from lashloop.counts import LARGEST, wrapping_difference
 from lashloop.enums import TorqueFlags
 from lashloop.errors import LashloopError
@@ -47,6 +47,14 @@ class SignalsError(LashloopError):
         super().__init__(f"the law {law} gave {lists[0]}; it declares {lists[1]}")
 
 
+class UndeclaredError(LashloopError):
+    """A law calls something inconsistent that isn't a parameter of the drive: a defect of the law."""
+
+    def __init__(self, law: str, name: str) -> None:
+        """Name the law and what it has named."""
+        super().__init__(f"the law {law} calls {name} inconsistent, which isn't a parameter of the drive")
+
+
 class Run:
     """A controller, and the sequence of its samples."""
 
@@ -73,6 +81,11 @@ class Run:
         self._before: EncoderSample | None = None
         self._motor_counts = self._load_counts = 0
         self.last_answer: TorqueAnswer | None = None
+
+    def update(self, parameters: Mapping[str, float]) -> None:
+        """Let the law take over live parameters; `InconsistentError` if they contradict each other."""
+        if isinstance(self._controller, LiveController):
+            self._controller.update(parameters)
 
     def classify(self, sequence: int, last: int | None) -> Next | Repeated | Stray:
         """Classify a sample by its sequence and that of the last sample taken."""

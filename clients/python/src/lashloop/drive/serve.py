@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
-from lashloop.drive.answers import fault_frame
 from lashloop.link import LinkClosedError, LinkError
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def serve(link: Link, drive: Drive) -> None:
         raise
     except Exception as error:
         with contextlib.suppress(LinkError):
-            link.write(fault_frame(_source_line(error)), 0.0)
+            link.write(drive.halt(_source_line(error)), 0.0)
         raise
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from lashloop.drive.answers import ACCEPTED, Result
 from lashloop.enums import Outcome
-from lashloop.layout import MAX_TELEMETRY_VALUES
+from lashloop.limits import MAX_TELEMETRY_VALUES
 
 if TYPE_CHECKING:
     from lashloop.drive.description import Description
@@ -29,13 +30,14 @@ class Subscription:
         """Whether telemetry follows the torque of this sample."""
         return self.every > 0 and bool(self.signals) and sequence % self.every == 0
 
-    def check(self, description: Description) -> Outcome:
+    def check(self, description: Description) -> Result:
         """Check that the drive has the signals, and that their values fit into a frame."""
         if any(it >= len(description.signals) for it in self.signals):
-            return Outcome.UNKNOWN_INDEX
-        return Outcome.ACCEPTED if len(self.signals) <= MAX_TELEMETRY_VALUES else Outcome.OUT_OF_RANGE
+            return Result(Outcome.UNKNOWN_INDEX)
+        return ACCEPTED if len(self.signals) <= MAX_TELEMETRY_VALUES else Result(Outcome.OUT_OF_RANGE)
 
-    def foreign_signal(self, description: Description, law: int) -> str | None:
-        """Return the first signal that the law does not have; None if it has all."""
-        foreign = [it for it in self.signals if not description.has_signal(law, it)]
-        return description.signals[foreign[0]].name if foreign else None
+    def check_law(self, description: Description, law: int) -> Result:
+        """Check that the law has the signals; the detail of a refusal is the index of the first one that it lacks."""
+        foreign = (it for it in self.signals if not description.has_signal(law, it))
+        first = next(foreign, None)
+        return ACCEPTED if first is None else Result(Outcome.SIGNAL_OF_OTHER_LAW, first)

@@ -4,6 +4,7 @@ from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
 from lashloop.host.client import Host
 from lashloop.host.description import Parameter, Signal
 from lashloop.host.errors import (
+    CountError,
     DescriptionError,
     DriveFaultError,
     GapTooLongError,
@@ -21,6 +22,7 @@ from lashloop.host.line import TimeLimits
 
 __all__ = [
     "AtStep",
+    "CountError",
     "DescriptionError",
     "DriveFaultError",
     "FaultAtStep",

@@ -23,6 +23,9 @@ _UNITS = {
     FaultCode.REFERENCE_NOT_FINITE: "rad",
     FaultCode.MOTOR_ENCODER_JUMP: "rad/s",
     FaultCode.LOAD_ENCODER_JUMP: "rad/s",
+    FaultCode.MOTOR_ENCODER_LOST: "rad",
+    FaultCode.LOAD_ENCODER_LOST: "rad",
+    FaultCode.TICK_OVERRUN: "s",
 }
 
 
@@ -76,6 +79,8 @@ class FaultAtStep:
     None if the fault belongs to an earlier run or to a firmware that has stopped.
     """
     message: FaultReport
+    name: str | None = None
+    """The drive's name of a code that this host has no name for; empty if it has none, None if it wasn't asked."""
 
     @classmethod
     def near(cls, step: int | None, message: FaultReport) -> FaultAtStep:
@@ -87,10 +92,16 @@ class FaultAtStep:
     def __str__(self) -> str:
         """Name the fault, its sample, value and limit."""
         it = self.message
-        unit = _UNITS.get(it.code)
-        numbers = f": {it.value:g} {unit}, the limit is {it.limit:g} {unit}" if unit else ""
         detail = f", detail {it.detail:#x}" if it.detail else ""
-        return f"{it.code}{self._where()}{numbers}{detail}"
+        return f"{self.name or it.code}{self._where()}{self._numbers()}{detail}"
+
+    def _numbers(self) -> str:
+        it = self.message
+        # The unit of a code without a name is unknown.
+        unit = f" {_UNITS[it.code]}" if it.code in _UNITS else "" if not it.code.is_named else None
+        if unit is None or (it.value, it.limit) == (0.0, 0.0):
+            return ""
+        return f": {it.value:g}{unit}, the limit is {it.limit:g}{unit}"
 
     def _where(self) -> str:
         if self.message.code.is_firmware_stop:

@@ -22,10 +22,9 @@ import time
 from typing import TYPE_CHECKING
 
 from lashloop.enums import Outcome, State
-from lashloop.host.describe import DriveDescription, describe
+from lashloop.host.describe import DriveDescription, check_counts, describe
 from lashloop.host.errors import (
     ParameterRejectedError,
-    RejectedError,
     UnknownParameterError,
     UnknownSignalError,
     VersionError,
@@ -33,10 +32,10 @@ from lashloop.host.errors import (
 from lashloop.host.exchange import reported_fault
 from lashloop.host.line import DriveLine, TimeLimits
 from lashloop.host.lockstep import Lockstep
-from lashloop.layout import MAX_TELEMETRY_VALUES
+from lashloop.host.names import cause, named_fault, outcome_name, rejection
+from lashloop.limits import MAX_TELEMETRY_VALUES, PROTOCOL_VERSION
 from lashloop.link import DEFAULT_BAUD, LinkError, open_port
 from lashloop.messages import (
-    PROTOCOL_VERSION,
     Arm,
     ClearFault,
     CommandResult,
@@ -115,7 +114,7 @@ class Host:
         if self._may_be_running:
             # If the link has failed, the watchdog of the drive ends the run.
             with contextlib.suppress(LinkError):
-                self._line.send(Stop())
+                self._line.send(Stop(), self._line.next_number())
         self._line.close()
 
     @property
@@ -135,8 +134,11 @@ class Host:
 
     @property
     def fault(self) -> FaultAtStep | None:
-        """The last fault report, with its control period, until cleared."""
-        return self._line.fault
+        """The last fault report, with its control period, until cleared.
+
+        The drive is asked once for the name of a code that this host has no name for.
+        """
+        return named_fault(self._line)
 
     @property
     def logs(self) -> list[str]:
@@ -185,13 +187,15 @@ class Host:
     def set(self, name: str, value: float | str) -> float:
         """Set a parameter to a number or to one of its choices and return the value then in force.
 
-        A number is rounded to the parameter's precision. The value of a choice is its index.
+        A number is rounded to the parameter's precision. The value of a choice is its index. A live parameter may be
+        set in a run; it is in force from the next sample.
         """
         parameter = self.parameter(name)
         wanted = parameter.value(value)
         report = self._line.request(SetParameter(parameter.index, wanted), _report_of(parameter.index))
         if report.outcome is not Outcome.ACCEPTED or report.value != wanted:
-            raise ParameterRejectedError(name, wanted, report.outcome, report.value)
+            words, outcome = cause(self._line, report.outcome, report.detail), outcome_name(self._line, report.outcome)
+            raise ParameterRejectedError(name, wanted, report.outcome, report.value, words, outcome)
         return report.value.value
 
     def subscribe(self, signals: Iterable[str] | None = None, *, every: int = 10) -> tuple[str, ...]:
@@ -286,18 +290,20 @@ class Host:
 
     def _handshake(self) -> Identity:
         limits, clock = self._line.limits, self._line.clock
-        hello = Hello(PROTOCOL_VERSION, self._session)
+        # Repeated with the same number, so that any of them may be answered.
+        hello, number = Hello.of(self._session), self._line.next_number()
 
         def of_this_session(message: DriveMessage) -> Identity | None:
             return message if isinstance(message, Identity) and message.session == hello.session else None
 
         deadline = clock() + limits.handshake_s
         while (left_s := deadline - clock()) > 0:
-            self._line.send(hello)
-            identity = self._line.wait(of_this_session, min(limits.hello_every_s, left_s))
+            self._line.send(hello, number)
+            identity = self._line.wait(of_this_session, min(limits.hello_every_s, left_s), number)
             if identity is not None:
                 if identity.protocol_version != PROTOCOL_VERSION:
                     raise VersionError(identity.protocol_version)
+                check_counts(identity)
                 if identity.state is State.FAULTED:
                     reported_fault(self._line)
                 return identity
@@ -308,8 +314,7 @@ class Host:
 
     def _conclude(self, request: HostMessage, result: CommandResult) -> None:
         if result.outcome is not Outcome.ACCEPTED:
-            logs = self.logs[-1:] if result.outcome is Outcome.INCONSISTENT else []
-            raise RejectedError(type(request).__name__, result.outcome, result.state, logs)
+            raise rejection(self._line, request, result)
 
 
 def _result_of(request: int) -> Callable[[DriveMessage], CommandResult | None]:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 from lashloop.enums import ParameterFlags, ParameterType
 from lashloop.host.description import Parameter, Signal
-from lashloop.host.errors import DescriptionError, RejectedError
+from lashloop.host.errors import CountError, DescriptionError
+from lashloop.host.names import rejection
+from lashloop.limits import MAX_LAWS, MAX_PARAMETERS, MAX_SIGNALS
 from lashloop.messages import (
     ChoiceDescription,
     CommandResult,
@@ -40,6 +42,17 @@ class DriveDescription:
     laws: tuple[str, ...]
     parameters: Mapping[str, Parameter]
     signals: Mapping[str, Signal]
+
+
+def check_counts(identity: Identity) -> None:
+    """Raise `CountError` for a number that a drive can't have."""
+    for things, count, fewest, most in (
+        ("laws", identity.law_count, 1, MAX_LAWS),
+        ("signals", identity.signal_count, 0, MAX_SIGNALS),
+        ("parameters", identity.parameter_count, 0, MAX_PARAMETERS),
+    ):
+        if not fewest <= count <= most:
+            raise CountError(things, count, fewest, most)
 
 
 def describe(line: DriveLine, identity: Identity) -> DriveDescription:
@@ -80,10 +93,10 @@ def _request(line: DriveLine, request: HostMessage, kind: type[D], is_answer: Ca
         if isinstance(message, kind):
             return message if is_answer(message) else None
         if isinstance(message, CommandResult) and message.request == request.KIND:
-            raise RejectedError(type(request).__name__, message.outcome, message.state, [])
+            raise rejection(line, request, message)
         # A drive answers `DescribeParameter` with an unknown index by this report.
         if isinstance(request, DescribeParameter) and isinstance(message, ParameterReport):
-            raise RejectedError(type(request).__name__, message.outcome, message.state, [])
+            raise rejection(line, request, message)
         return None
 
     return line.request(request, wanted)

@@ -42,6 +42,8 @@ class Parameter:
         """Choices, or range and unit, as text."""
         if self.choices:
             return " | ".join(self.choices)
+        if not self.default.type.is_named:
+            return f"values of a type that this host does not know ({self.default.type})"
         whole = "a whole number, " if self.default.type is ParameterType.U32 else ""
         return f"{whole}{self.min} to {self.max} {self.unit}".rstrip()
 
@@ -51,6 +53,8 @@ class Parameter:
             if wanted not in self.choices:
                 raise ParameterRangeError(self.name, wanted, self.allowed)
             return ParameterValue.u32(int(self.min.value) + self.choices.index(wanted))
+        if not self.default.type.is_named:
+            raise ParameterRangeError(self.name, wanted, self.allowed)
         if self.default.type is ParameterType.U32:
             whole = wanted == wanted and abs(wanted) != float("inf") and wanted == int(wanted)
             value = ParameterValue.u32(int(wanted)) if whole else None
@@ -65,7 +69,7 @@ class Parameter:
         """Return a value of this parameter as text: the name of a choice, or the number."""
         if self.choices:
             return self.choices[int(value) - int(self.min.value)]
-        return str(self.value(value))
+        return str(self.value(value) if self.default.type.is_named else ParameterValue(self.default.type, int(value)))
 
 
 @dataclass(frozen=True, slots=True)

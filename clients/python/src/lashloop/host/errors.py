@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from lashloop.counts import LARGEST
 from lashloop.errors import LashloopError
-from lashloop.messages import PROTOCOL_VERSION
+from lashloop.limits import PROTOCOL_VERSION
 
 if TYPE_CHECKING:
     from lashloop.enums import Outcome, ParameterValue, State
@@ -50,14 +50,25 @@ class VersionError(HostError):
         self.drive, self.host = drive, PROTOCOL_VERSION
 
 
+class CountError(HostError):
+    """The identity has a number of laws, signals or parameters that a drive can't have."""
+
+    def __init__(self, things: str, count: int, fewest: int, most: int) -> None:
+        """Name what is counted, the number and the range."""
+        super().__init__(f"the drive has {count} {things}, a drive has {fewest} to {most}: correct the drive")
+        self.things, self.count, self.fewest, self.most = things, count, fewest, most
+
+
 class RejectedError(HostError):
     """The drive rejected a request."""
 
-    def __init__(self, request: str, outcome: Outcome, state: State, logs: list[str]) -> None:
-        """Name the request, the outcome, the state and the log texts about it."""
-        log = f', log: "{"; ".join(logs)}"' if logs else ""
-        super().__init__(f"the drive rejected {request} in state {state}: {outcome}{log}")
-        self.request, self.outcome, self.state, self.logs = request, outcome, state, logs
+    def __init__(self, request: str, outcome: Outcome, state: State, cause: str = "", name: str = "") -> None:
+        """Name the request, the outcome, the state and the cause.
+
+        `name` is the drive's name of an outcome that this host has no name for.
+        """
+        super().__init__(f"the drive rejected {request} in state {state}: {_refusal(outcome, cause, name)}")
+        self.request, self.outcome, self.state, self.cause = request, outcome, state, cause
 
 
 class DriveFaultError(HostError):
@@ -134,7 +145,23 @@ class ParameterRangeError(HostError, ValueError):
 class ParameterRejectedError(HostError):
     """The drive rejected a value, or reads back another one."""
 
-    def __init__(self, name: str, wanted: ParameterValue, outcome: Outcome, in_force: ParameterValue) -> None:
-        """Name the parameter, the value, the outcome and the value in force."""
-        super().__init__(f"{name} = {wanted}: the drive answered {outcome} and has {in_force} in force")
-        self.name, self.wanted, self.outcome, self.in_force = name, wanted, outcome, in_force
+    def __init__(
+        self,
+        name: str,
+        wanted: ParameterValue,
+        outcome: Outcome,
+        in_force: ParameterValue,
+        cause: str = "",
+        outcome_name: str = "",
+    ) -> None:
+        """Name the parameter, the value, the outcome with its cause, and the value in force.
+
+        `outcome_name` is the drive's name of an outcome that this host has no name for.
+        """
+        refusal = _refusal(outcome, cause, outcome_name)
+        super().__init__(f"{name} = {wanted}: the drive answered {refusal} and has {in_force} in force")
+        self.name, self.wanted, self.outcome, self.in_force, self.cause = name, wanted, outcome, in_force, cause
+
+
+def _refusal(outcome: Outcome, cause: str, name: str) -> str:
+    return f"{name or outcome} ({cause})" if cause else name or str(outcome)

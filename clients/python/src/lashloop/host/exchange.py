@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from lashloop.enums import Outcome, State
 from lashloop.host.errors import DriveFaultError, RejectedError
+from lashloop.host.names import named_fault, rejection
 from lashloop.messages import CommandResult, DriveMessage, EncoderSample, FaultReport, TorqueAnswer
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def exchange(line: DriveLine, sample: EncoderSample, limit_s: float) -> TorqueAn
         if isinstance(message, FaultReport):
             raise DriveFaultError(reported_fault(line))
         if isinstance(message, CommandResult) and message.request == EncoderSample.KIND:
-            raise RejectedError("EncoderSample", message.outcome, message.state, [])
+            raise rejection(line, sample, message)
         if isinstance(message, TorqueAnswer) and message.sequence == sample.sequence:
             return message
         return None
@@ -34,7 +35,7 @@ def exchange(line: DriveLine, sample: EncoderSample, limit_s: float) -> TorqueAn
     if answer is not None and answer.status.state is State.FAULTED:
         raise DriveFaultError(reported_fault(line))
     if answer is not None and answer.status.state is not State.RUNNING:
-        raise RejectedError("EncoderSample", Outcome.WRONG_STATE, answer.status.state, [])
+        raise RejectedError("EncoderSample", Outcome.WRONG_STATE, answer.status.state)
     return answer
 
 
@@ -42,6 +43,7 @@ def reported_fault(line: DriveLine) -> FaultAtStep:
     """Return the report of a latched fault, received already or still to come."""
     if line.fault is None:
         line.wait(lambda it: it if isinstance(it, FaultReport) else None, line.limits.request_s)
-    if line.fault is None:
+    fault = named_fault(line)
+    if fault is None:
         raise line.silence("a state Faulted, for its FaultReport,", line.limits.request_s)
-    return line.fault
+    return fault

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from lashloop.decoder import Counters, Decoder
-from lashloop.frames import DELIMITER, FROM_DRIVE, FrameError, encode
+from lashloop.frames import DELIMITER, FROM_DRIVE, Numbered, encode
 from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
 from lashloop.host.errors import SilenceError
+from lashloop.layout import has_number
 from lashloop.link import send_all
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, Log, Telemetry, TorqueAnswer
 from lashloop.sequence import nearest_step
@@ -23,11 +24,12 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _LOGS_KEPT = 100
+_LARGEST_NUMBER = 255
 
 
 @dataclass(frozen=True, slots=True)
 class TimeLimits:
-    """Timeouts of a host in wall-clock time, section 11 of `docs/protocol.md`.
+    """Timeouts of a host in wall-clock time, section 13 of `docs/protocol.md`.
 
     The Lashloop bench retransmits a request every 500 ms. This host retransmits only `Hello` and the first sample of a
     run; it sends any other request once.
@@ -61,7 +63,8 @@ class DriveLine:
         """Control period of the last torque of the run, in time or late."""
         self._link = link
         self._decoder = Decoder(FROM_DRIVE)
-        self._inbox: deque[DriveMessage] = deque()
+        self._inbox: deque[Numbered[DriveMessage]] = deque()
+        self._last_number = 0
         self._last_sent: int | None = None
         self._last_message = ""
 
@@ -81,21 +84,30 @@ class DriveLine:
         self._inbox.clear()
         send_all(self._link, DELIMITER, self.limits.request_s, self.clock)
 
-    def send(self, message: HostMessage) -> None:
-        """Send a message without waiting for an answer."""
-        send_all(self._link, encode(message), self.limits.request_s, self.clock)
+    def next_number(self) -> int:
+        """Return the number of the next request: 1 to 255 in turn. A request that is sent again keeps its number."""
+        self._last_number = self._last_number % _LARGEST_NUMBER + 1
+        return self._last_number
+
+    def send(self, message: HostMessage, number: int = 0) -> None:
+        """Send a message without waiting for an answer. Samples have no number."""
+        send_all(self._link, encode(message, number), self.limits.request_s, self.clock)
         if isinstance(message, EncoderSample):
             self._last_sent = nearest_step(message.sequence, self._last_sent or 0)
 
-    def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float) -> T | None:
-        """Return the first result of `wanted`, or None after the timeout. Other messages are recorded."""
+    def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float, number: int = 0) -> T | None:
+        """Return the first result of `wanted`, or None after the timeout. Other messages are recorded.
+
+        An answer of another number than that of the request is late and answers nothing.
+        """
         deadline = self.clock() + limit_s
         expired = False
         while True:
             while self._inbox:
-                message = self._inbox.popleft()
-                self._record(message)
-                answer = wanted(message)
+                item = self._inbox.popleft()
+                self._record(item.message)
+                is_late = has_number(item.message.KIND) and item.number != number
+                answer = None if is_late else wanted(item.message)
                 if answer is not None:
                     return answer
             if expired:
@@ -104,12 +116,13 @@ class DriveLine:
             # Bytes already received are read once more after the deadline.
             expired = left_s <= 0
             data = self._link.read(max(left_s, 0.0))
-            self._inbox.extend(it for it in self._decoder.feed(data) if not isinstance(it, FrameError))
+            self._inbox.extend(it for it in self._decoder.feed(data) if isinstance(it, Numbered))
 
     def request(self, message: HostMessage, wanted: Callable[[DriveMessage], T | None]) -> T:
         """Send a request once and return its answer; `SilenceError` after the timeout."""
-        self.send(message)
-        answer = self.wait(wanted, self.limits.request_s)
+        number = self.next_number()
+        self.send(message, number)
+        answer = self.wait(wanted, self.limits.request_s, number)
         if answer is None:
             raise self.silence(type(message).__name__, self.limits.request_s)
         return answer
