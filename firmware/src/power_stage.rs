@@ -4,10 +4,7 @@
 //! Many amplifiers take a duty near 0 or 1 for a broken wire, so the duty stays within `min` and `max`.
 
 use crate::direction::Direction;
-use crate::law::{ParameterError, Real};
-
-/// Relative difference of a torque from the limits of the duty that rounding to single precision explains.
-const ROUNDING: f32 = 1e-6;
+use crate::law::{ParameterError, ROUNDING, Real};
 
 /// What a power stage reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,9 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use lashloop_protocol::Frame;
+use lashloop_protocol::message::{FaultReport, Hello, Identity};
+use lashloop_protocol::wire::Payload;
 use lashloop_silicon::machine::{self, Ended};
 use lashloop_silicon::pins::Pins;
 use lashloop_silicon::surroundings::{End, Surroundings};
@@ -12,11 +15,9 @@ use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::wiring::Wiring;
 use object::{File, Object, ObjectSection};
 
-/// A `Hello`, as docs/protocol.md shows it.
-const HELLO: [u8; 12] = [0x0b, 0x01, 0x01, 0x48, 0x53, 0x41, 0x4c, 0x01, 0xf5, 0x8d, 0x60, 0x00];
-/// Length of the answer and of a fault report, with the delimiter.
-const IDENTITY_BYTES: usize = 52;
-const FAULT_REPORT_BYTES: usize = 22;
+/// Length of the answer to a `Hello` and of a fault report, with the delimiter.
+const IDENTITY_BYTES: usize = Identity::LAYOUT.frame_len();
+const FAULT_REPORT_BYTES: usize = FaultReport::LAYOUT.frame_len();
 /// A byte on the line: 10 bits of 42 MHz by 46.
 const BYTE: Duration = Duration::from_nanos(10_953);
 const CYCLES_PER_SECOND: f64 = 168e6;
@@ -79,7 +80,8 @@ fn run(image: &Symbols, actions: Vec<(Duration, Action)>) -> Ended<Script> {
 }
 
 fn send(requests: usize) -> Action {
-    Box::new(move |chip| chip.serial_line().send(&HELLO.repeat(requests)))
+    let hello = Frame::of(&Hello::new(0x4c41_5348));
+    Box::new(move |chip| chip.serial_line().send(&hello.repeat(requests)))
 }
 
 fn nothing() -> Action {

@@ -58,6 +58,8 @@ impl ControlLaw for VelocityPi {
     // Two parameters of this law, and the nominal mechanics that Lashloop's laws have too.
     type Parameters = (VelocityGains, NominalModel);
     type Signals = VelocitySignals;
+    // What the host may set during a run: `update` takes it.
+    const LIVE: &'static [&'static str] = &["velocity_gain_nm_s_rad", "velocity_integral_nm_rad"];
 
     fn new((gains, model): Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError> {
         // A held torque reverses the motor within a period if it damps more than the motor's momentum.
@@ -70,6 +72,11 @@ impl ControlLaw for VelocityPi {
         )?;
         let (period_s, torque_limit_nm) = (drive.period_s(), drive.torque_limit_nm);
         Ok(Self { gains, model, period_s, torque_limit_nm, integral_nm: 0.0 })
+    }
+
+    fn update(&mut self, (gains, _): &Self::Parameters) -> Result<(), ParameterError> {
+        self.gains = *gains;
+        Ok(())
     }
 
     fn step(&mut self, m: &Measurement<f32>) -> ControlOutput<VelocitySignals> {
@@ -146,6 +153,15 @@ mod tests {
     }
 
     #[test]
+    fn a_gain_set_during_a_run_acts_on_the_next_torque() {
+        let mut law = law();
+        let before = law.step(&at_rest(-0.1)).torque_nm;
+        let gains = VelocityGains { velocity_gain_nm_s_rad: 10.0, ..VelocityGains::default() };
+        law.update(&(gains, NominalModel::default())).expect("any gains go together");
+        assert!(law.step(&at_rest(-0.1)).torque_nm < before);
+    }
+
+    #[test]
     fn a_period_too_long_for_the_damping_is_rejected_by_name() {
         let slow = DriveParameters { period_us: 50_000, ..DriveParameters::default() };
         let error = VelocityPi::new((VelocityGains::default(), NominalModel::default()), &slow).err();
@@ -160,5 +176,7 @@ mod tests {
         assert_eq!(own.map(laws), [Some(0b00001); 2]);
         assert_eq!(laws("stiffness_nm_rad"), Some(0b11111), "shared with Lashloop's laws");
         assert!(OwnLaws::SIGNALS.iter().any(|signal| signal.name == "wanted_twist_rad"));
+        let is_live = |name| OwnLaws::PARAMETERS.iter().any(|p| p.name == name && p.live);
+        assert!(own.into_iter().all(is_live) && !is_live("stiffness_nm_rad"));
     }
 }

@@ -67,6 +67,11 @@ pub(crate) fn start(mut syst: SYST) -> (DeviceClock, Ticker) {
     (DeviceClock(()), Ticker(()))
 }
 
+/// Device time for a handler that has no clock; zero before the start. Interrupts may be off.
+pub(super) fn now() -> Duration {
+    DeviceClock(()).now()
+}
+
 impl Ticker {
     /// Counts one millisecond and returns the device time. To be called once per interrupt.
     pub fn count_millisecond(&mut self) -> Duration {

@@ -4,7 +4,7 @@
 use core::panic::{Location, PanicInfo};
 
 use super::pwm_stage::StageLines;
-use super::{fitted, last_resort, usb_port};
+use super::{device_clock, fitted, last_resort, usb_port};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -42,7 +42,7 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     fitted::Lines::switch_off();
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
-    send(&fault_frame(code, detail));
+    send(&fault_frame(code, detail, device_clock::now()));
     usb_port::disconnect();
     // An interrupt that stays enabled and pending would end every sleep at once.
     NVIC::mask(Interrupt::USART2);

@@ -24,7 +24,7 @@ const BAUD: u32 = 921_600;
 /// Capacity of the receive queue: 11 ms of line time, far more than the handling of one frame takes.
 const RECEIVE_BYTES: usize = 1024;
 
-/// Capacity of the transmit queue: the drive sends at most four frames of 63 bytes at once.
+/// Capacity of the transmit queue: almost four of the longest frames. The drive keeps what doesn't fit.
 const TRANSMIT_BYTES: usize = 256;
 
 /// How bytes leave.

@@ -24,6 +24,9 @@ crate::parameters! {
     }
 }
 
+/// The gains by name: a change acts on a torque at once and on no state, so every law with the cascade takes them live.
+pub const LIVE_GAINS: &[&str] = &["k_p1", "k_d1", "k_p2", "k_d2", "k_1"];
+
 /// The terms that a law adds to the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensation<F> {
@@ -49,6 +52,11 @@ impl<F: Real> Cascade<F> {
     /// The cascade for the mechanics of `model`.
     pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
         Self { gains, model: *model, feed_forward: FeedForward::new(model) }
+    }
+
+    /// Replaces the gains.
+    pub fn set_gains(&mut self, gains: CascadeGains<F>) {
+        self.gains = gains;
     }
 
     /// Torque and errors at one sample.

@@ -8,7 +8,7 @@
 //! On the paper's smooth plant equation (4) gives the disturbing torque w. On any other plant w is observed:
 //! w = C_obs - K z with the momentum observer's C_obs.
 
-use crate::control::cascade::{Cascade, CascadeGains, Compensation};
+use crate::control::cascade::{Cascade, CascadeGains, Compensation, LIVE_GAINS};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone::DeadZone;
 use crate::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
@@ -91,6 +91,11 @@ impl<F: Real> Merzouki<F> {
         })
     }
 
+    /// Replaces the gains of the cascade.
+    pub fn set_gains(&mut self, gains: CascadeGains<F>) {
+        self.cascade.set_gains(gains);
+    }
+
     /// The torque for one sample, before the drive's limit.
     pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let twist = measurement.twist_rad;
@@ -138,6 +143,7 @@ impl ControlLaw for Merzouki {
     type Parameters =
         (CascadeGains, DeadZoneObserver, DeadZoneBounds, MerzoukiSetting, MomentumObserverPole, NominalModel);
     type Signals = CascadeSignals;
+    const LIVE: &'static [&'static str] = LIVE_GAINS;
 
     fn new(parameters: Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError> {
         let (gains, observer, bounds, setting, pole, model) = parameters;
@@ -150,6 +156,11 @@ impl ControlLaw for Merzouki {
             )),
         };
         Self::new(&model, gains, observer, bounds, source, drive.period_s())
+    }
+
+    fn update(&mut self, (gains, ..): &Self::Parameters) -> Result<(), ParameterError> {
+        self.set_gains(*gains);
+        Ok(())
     }
 
     fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {

@@ -6,7 +6,7 @@
 //! Section 17 of docs/protocol.md specifies this law with its sensing as the profile `pd`, operation by operation, and
 //! `protocol/golden/pd.csv` has its torques under a moving reference: a change of one bit here changes both.
 
-use crate::control::cascade::{Cascade, CascadeGains, Compensation};
+use crate::control::cascade::{Cascade, CascadeGains, Compensation, LIVE_GAINS};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::nominal_model::NominalModel;
 use crate::law::{ControlLaw, ControlOutput, DriveParameters, Measurement, ParameterError, Real};
@@ -40,9 +40,15 @@ impl ControlLaw for Pd {
     const NAME: &'static str = "pd";
     type Parameters = (CascadeGains, NominalModel);
     type Signals = CascadeSignals;
+    const LIVE: &'static [&'static str] = LIVE_GAINS;
 
     fn new((gains, model): Self::Parameters, _drive: &DriveParameters) -> Result<Self, ParameterError> {
         Ok(Self::new(&model, gains))
+    }
+
+    fn update(&mut self, (gains, _): &Self::Parameters) -> Result<(), ParameterError> {
+        self.cascade.set_gains(*gains);
+        Ok(())
     }
 
     fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {

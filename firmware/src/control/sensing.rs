@@ -86,13 +86,8 @@ impl<F: Real> Sensing<F> {
         let [motor_counts, load_counts] =
             [config.motor, config.load].map(|encoder| F::from_i64(encoder.counts_per_revolution.into()));
         let ratio_in_counts = config.ratio * motor_counts / load_counts;
-        let max = F::from_i64(COUNTS_RATIO_MAX);
-        ParameterError::at_most(
-            "motor counts per load count",
-            ratio_in_counts,
-            max,
-            "the range of the twist",
-        )?;
+        let max = F::from_i64(COUNTS_RATIO_MAX) * load_counts / motor_counts;
+        ParameterError::at_most("reduction_ratio", config.ratio, max, "the range of the twist")?;
         let whole = ratio_in_counts.whole();
         Ok(Self {
             motor: EncoderChannel::new(config.motor, config.period_s),
@@ -217,8 +212,8 @@ mod tests {
     #[test]
     fn motor_encoder_too_fine_for_the_load_encoder_is_rejected_by_name() {
         let error = sensing(1 << 24, 4, 8.0).expect_err("the twist does not fit");
-        let want = "control parameter motor counts per load count is 33554432, allowed is at most 16777216, \
-                    given by the range of the twist";
+        let want =
+            "control parameter reduction_ratio is 8, allowed is at most 4, given by the range of the twist";
         assert_eq!(error.to_string(), want);
         assert!(sensing(1 << 24, 4, 4.0).is_ok());
         assert!(sensing(4000, 0, 3.0).is_err(), "an encoder without counts");

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use lashloop_protocol::enums::{LogLevel, Outcome};
+use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::message::Reference;
 use lashloop_protocol::wire::Payload;
 
@@ -37,7 +37,11 @@ impl<L: LawSet> Drive<L> {
             self.last_sequence = sample.sequence;
         }
         // Before the report of the step, whose torque is zero.
-        let fault = fault.map(|violation| self.latch(violation));
+        let fault = fault.map(|violation| {
+            // Not `due`: an answer may have been sent since.
+            self.output.note_time(clock.now());
+            self.latch(violation)
+        });
         // A report of a step never displaces an answer or a fault report.
         if let Some(sample) = sample
             && self.output.fits_an_answer()
@@ -61,6 +65,7 @@ impl<L: LawSet> Drive<L> {
     pub fn miss_tick(&mut self, now: Duration) {
         let Some(pins) = self.lifecycle.run().and_then(Run::pins) else { return };
         let violation = pins.overdue(now);
+        self.output.note_time(now);
         let fault = self.latch(violation);
         self.output.send_later(fault);
     }
@@ -98,19 +103,10 @@ impl<L: LawSet> Drive<L> {
             | Lifecycle::Faulted { .. } => false,
         };
         if !taken {
-            self.send_result(Reference::LAYOUT.kind, Outcome::WrongState);
+            self.refuse(Reference::LAYOUT.kind, Outcome::WrongState);
         }
         if let Some(fault) = late {
             self.output.send(fault);
         }
-    }
-
-    /// Whether the pins allow torque; `Ok` in HIL mode. A log names the cause of a refusal.
-    pub(super) fn check_pins(&mut self) -> Result<(), Outcome> {
-        let (Some(pins), Some(_)) = (&self.pins, self.parameters.bench_mode()) else { return Ok(()) };
-        pins.check(&self.parameters.drive()).map_err(|(outcome, cause)| {
-            self.log(LogLevel::Error, &[cause]);
-            outcome
-        })
     }
 }

@@ -10,7 +10,7 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 use super::parameters::Parameters;
 use super::pins::PinHardware;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
-use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, Signals};
+use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, ROUNDING, Signals};
 
 /// Largest move in counts, in either direction, that the difference of two readings shows without wraparound. One count is
 /// reserved: an encoder may show one count more than it has turned.
@@ -50,7 +50,7 @@ impl<L: LawSet> ControlLoop<L> {
             Some(hardware) => {
                 let longest = hardware.longest_period_us as f32;
                 ParameterError::at_most("period_us", drive.period_us as f32, longest, "the timer")?;
-                f32::from(hardware.largest_move_counts)
+                f32::from(hardware.largest_move_counts) * (1.0 + ROUNDING)
             }
         };
         let mut longest_gap = LONGEST_GAP;
@@ -62,7 +62,7 @@ impl<L: LawSet> ControlLoop<L> {
             let given_by = "half the range of a reading over the control period";
             ParameterError::at_most(name, limit_rad_s, fastest_rad_s, given_by)?;
             if let Some(hardware) = pins {
-                let counts = hardware.largest_counts_per_s as f32 * drive.period_s();
+                let counts = hardware.largest_counts_per_s as f32 * drive.period_s() * (1.0 + ROUNDING);
                 let given_by = "the filter of the encoder inputs";
                 ParameterError::at_most(name, limit_rad_s, counts * rad_s_per_count, given_by)?;
             }
@@ -78,6 +78,14 @@ impl<L: LawSet> ControlLoop<L> {
             motor_rad_s_per_count,
             load_rad_s_per_count,
         })
+    }
+
+    /// Takes the value of a live parameter, in force from the next step.
+    ///
+    /// # Errors
+    /// If it doesn't go with the others; then nothing changed.
+    pub(super) fn update(&mut self, words: &L::Words) -> Result<(), ParameterError> {
+        self.law.update(words)
     }
 
     /// Most periods between two samples of a run.

@@ -1,9 +1,9 @@
 //! Versions of the firmware, and the answer to `Hello`.
 
-use lashloop_protocol::PROTOCOL_VERSION;
-use lashloop_protocol::enums::{State, Version};
+use lashloop_protocol::enums::{Capabilities, State, Version};
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::text::Text;
+use lashloop_protocol::{MINOR_VERSION, PROTOCOL_VERSION};
 
 use crate::law::{DriveParameters, LawSet};
 
@@ -37,9 +37,11 @@ pub(super) fn identity<L: LawSet>(
     state: State,
     parameters: &DriveParameters,
     parameter_count: u8,
+    capabilities: Capabilities,
 ) -> Identity {
     Identity {
         protocol_version: PROTOCOL_VERSION,
+        minor_version: MINOR_VERSION,
         session,
         firmware: FIRMWARE_VERSION,
         build_id: BUILD_ID,
@@ -52,5 +54,7 @@ pub(super) fn identity<L: LawSet>(
         law_count: L::NAMES.len() as u8,
         signal_count: L::SIGNALS.len() as u8,
         parameter_count,
+        capabilities,
+        device_time_us: None,
     }
 }

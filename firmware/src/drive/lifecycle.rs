@@ -78,26 +78,40 @@ impl<L: LawSet> Lifecycle<L> {
         }
     }
 
-    /// `Accepted` if the drive was armed and now runs.
-    pub(super) fn start(&mut self, parameters: &DriveParameters, source: Source, now: Duration) -> Outcome {
+    /// The control loop of an armed or running drive.
+    pub(super) fn control(&mut self) -> Option<&mut ControlLoop<L>> {
+        match self {
+            Self::Armed { control, .. } => Some(control),
+            Self::Running { run, .. } => Some(run.control()),
+            Self::Boot | Self::Idle { .. } | Self::Faulted { .. } => None,
+        }
+    }
+
+    /// Starts the run of an armed drive.
+    pub(super) fn start(
+        &mut self,
+        parameters: &DriveParameters,
+        source: Source,
+        now: Duration,
+    ) -> Result<(), Outcome> {
         match core::mem::replace(self, Self::Boot) {
             Self::Armed { session, control } => {
                 *self = Self::Running { session, run: Run::new(control, parameters, source, now) };
-                Outcome::Accepted
+                Ok(())
             }
             other => {
                 *self = other;
-                Outcome::WrongState
+                Err(Outcome::WrongState)
             }
         }
     }
 
-    pub(super) fn stop(&mut self) -> Outcome {
+    pub(super) fn stop(&mut self) -> Result<(), Outcome> {
         match *self {
-            Self::Boot | Self::Faulted { .. } => Outcome::WrongState,
+            Self::Boot | Self::Faulted { .. } => Err(Outcome::WrongState),
             Self::Idle { session } | Self::Armed { session, .. } | Self::Running { session, .. } => {
                 *self = Self::Idle { session };
-                Outcome::Accepted
+                Ok(())
             }
         }
     }
@@ -109,9 +123,9 @@ impl<L: LawSet> Lifecycle<L> {
     }
 
     /// Clears the latched fault. Without a session the drive returns to `Boot`: clearing opens none.
-    pub(super) fn clear_fault(&mut self) -> Outcome {
-        let Self::Faulted { session, .. } = *self else { return Outcome::WrongState };
+    pub(super) fn clear_fault(&mut self) -> Result<(), Outcome> {
+        let Self::Faulted { session, .. } = *self else { return Err(Outcome::WrongState) };
         *self = session.map_or(Self::Boot, |session| Self::Idle { session });
-        Outcome::Accepted
+        Ok(())
     }
 }

@@ -22,11 +22,14 @@ impl LineCounts {
 
     /// The report, with the decoder at `now`.
     pub(super) fn report(&self, now: &Counters) -> LineReport {
+        let known = now.messages - self.at_start.messages;
         LineReport {
-            messages: now.messages - self.at_start.messages,
+            // A request of a newer minor version is good too: the drive answers it.
+            messages: known.saturating_add(now.unknown - self.at_start.unknown),
             damaged: now.damaged() - self.at_start.damaged(),
             refused: now.refused - self.at_start.refused,
             overruns: self.overruns,
+            device_time_us: None,
         }
     }
 }

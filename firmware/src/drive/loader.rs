@@ -22,12 +22,12 @@ pub(super) enum Loader {
 
 impl Loader {
     /// Takes a request in this state of the drive.
-    pub(super) fn request(&mut self, state: State, now: Duration) -> Outcome {
+    pub(super) fn request(&mut self, state: State, now: Duration) -> Result<(), Outcome> {
         if *self != Self::Present || state != State::Idle {
-            return Outcome::WrongState;
+            return Err(Outcome::WrongState);
         }
         *self = Self::Requested { exit_at: now + EXIT_AFTER };
-        Outcome::Accepted
+        Ok(())
     }
 
     pub(super) fn is_requested(self) -> bool {

@@ -22,10 +22,10 @@ impl<L: LawSet> Drive<L> {
         self.loader.is_due(now)
     }
 
-    pub(super) fn enter_loader(&mut self, session: u32, now: Duration) -> Outcome {
+    pub(super) fn enter_loader(&mut self, session: u32, now: Duration) -> Result<(), Outcome> {
         if self.loader == Loader::Absent || self.lifecycle.session() == Some(session) {
             return self.loader.request(self.state(), now);
         }
-        Outcome::WrongSession
+        Err(Outcome::WrongSession)
     }
 }

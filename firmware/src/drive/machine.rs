@@ -2,13 +2,15 @@
 
 use core::time::Duration;
 
-use lashloop_protocol::enums::{FaultCode, LogLevel, Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello, Subscribe};
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{Counters, Decoder, DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::enums::{Capabilities, FaultCode, LogLevel, Outcome, State, TorqueFlags};
+use lashloop_protocol::layout::has_number;
+use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
+use lashloop_protocol::wire::{BodyError, Payload};
+use lashloop_protocol::{
+    Counters, Decoder, DriveMessage, FrameError, HostMessage, Numbered, PROTOCOL_VERSION,
+};
 
 use super::clock::Clock;
-use super::control_loop::ControlLoop;
 use super::descriptions;
 use super::identity::identity;
 use super::lifecycle::Lifecycle;
@@ -16,13 +18,13 @@ use super::line_counts::LineCounts;
 use super::loader::Loader;
 use super::output::Output;
 use super::parameters::Parameters;
-use super::pin_run::PinRun;
 use super::pins::{PinHardware, Pins};
-use super::run::{Reply, Run, Source};
+use super::refusal::Refusal;
+use super::run::{Reply, Run};
 use super::safety::Violation;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
-use crate::law::{LawSet, ParameterError, Signal};
+use crate::law::LawSet;
 use crate::laws::Laws;
 
 /// The state machine of a drive with these laws.
@@ -90,15 +92,26 @@ impl<L: LawSet> Drive<L> {
             return 0;
         }
         let mut rest = bytes;
-        // A damaged frame is handled as a missing one: the decoder counts it, and the host times out.
-        if let Some(Ok(message)) = self.decoder.next(&mut rest) {
-            self.handle(&message, clock);
+        match self.decoder.next::<HostMessage>(&mut rest) {
+            Some(Ok(Numbered { number, message })) => {
+                let arrived = clock.now();
+                self.output.begin_answer(number, arrived);
+                self.handle(&message, arrived, clock);
+            }
+            // A request that a newer minor version added. What a host sends in every period gets no answer.
+            Some(Err(FrameError::Body(BodyError::UnknownKind { kind, number }))) if has_number(kind) => {
+                self.output.begin_answer(number, clock.now());
+                self.refuse(kind, Outcome::UnknownRequest);
+            }
+            // A damaged frame is handled as a missing one: the decoder counts it, and the host times out.
+            Some(Err(_)) | None => {}
         }
         bytes.len() - rest.len()
     }
 
     /// Checks the watchdog at device time `now`; in bench mode the ticks too.
     pub fn tick(&mut self, now: Duration) {
+        self.output.note_time(now);
         if let Err(violation) = self.lifecycle.check_time(now) {
             let fault = self.latch(violation);
             self.output.send_later(fault);
@@ -158,11 +171,11 @@ impl<L: LawSet> Drive<L> {
         self.line_counts.add_overruns(count);
     }
 
-    fn handle(&mut self, message: &HostMessage, clock: &impl Clock) {
+    fn handle(&mut self, message: &HostMessage, arrived: Duration, clock: &impl Clock) {
         let state = self.state();
-        let (request, outcome) = match message {
-            HostMessage::EncoderSample(sample) => return self.answer_sample(sample, clock),
-            HostMessage::Reference(reference) => return self.take_reference(reference, clock.now()),
+        let (request, result) = match message {
+            HostMessage::EncoderSample(sample) => return self.answer_sample(sample, arrived, clock),
+            HostMessage::Reference(reference) => return self.take_reference(reference, arrived),
             HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
                 return self.output.send(self.parameters.describe(request.index, state));
@@ -171,7 +184,7 @@ impl<L: LawSet> Drive<L> {
                 return self.output.send(self.parameters.get(request.index, state));
             }
             HostMessage::SetParameter(request) => {
-                let report = self.parameters.set(request, state);
+                let report = self.parameters.set(request, state, self.lifecycle.control());
                 return self.output.send(report);
             }
             HostMessage::DescribeLaw(request) => {
@@ -189,34 +202,41 @@ impl<L: LawSet> Drive<L> {
             HostMessage::Subscribe(request) => (message::Subscribe::LAYOUT.kind, self.subscribe(request)),
             HostMessage::Arm(request) => (message::Arm::LAYOUT.kind, self.arm(request.session)),
             HostMessage::Start(request) => {
-                (message::Start::LAYOUT.kind, self.start(request.session, clock.now()))
+                (message::Start::LAYOUT.kind, self.start(request.session, arrived))
             }
             HostMessage::EnterLoader(request) => {
-                (message::EnterLoader::LAYOUT.kind, self.enter_loader(request.session, clock.now()))
+                let result = self.enter_loader(request.session, arrived);
+                (message::EnterLoader::LAYOUT.kind, result.map_err(Refusal::from))
             }
             HostMessage::Stop(_) => {
                 self.output.send(self.line_counts.report(self.decoder.counters()));
-                (message::Stop::LAYOUT.kind, self.lifecycle.stop())
+                (message::Stop::LAYOUT.kind, self.lifecycle.stop().map_err(Refusal::from))
             }
             HostMessage::EmergencyStop(_) => {
                 let code = FaultCode::EmergencyStop;
                 let fault = self.latch(Violation::of(code));
                 self.output.send(fault);
-                (message::EmergencyStop::LAYOUT.kind, Outcome::Accepted)
+                (message::EmergencyStop::LAYOUT.kind, Ok(()))
             }
-            HostMessage::ClearFault(_) => (message::ClearFault::LAYOUT.kind, self.lifecycle.clear_fault()),
+            HostMessage::ClearFault(_) => {
+                (message::ClearFault::LAYOUT.kind, self.lifecycle.clear_fault().map_err(Refusal::from))
+            }
             HostMessage::Reset(_) => {
-                self.lifecycle = Lifecycle::Boot;
-                self.parameters = Parameters::new(self.pins.is_some());
-                self.subscription = Subscription::default();
-                self.last_sequence = 0;
-                if let Some(pins) = &mut self.pins {
-                    pins.reset();
-                }
-                (message::Reset::LAYOUT.kind, Outcome::Accepted)
+                self.reset();
+                (message::Reset::LAYOUT.kind, Ok(()))
             }
         };
-        self.send_result(request, outcome);
+        self.send_result(request, result);
+    }
+
+    fn reset(&mut self) {
+        self.lifecycle = Lifecycle::Boot;
+        self.parameters = Parameters::new(self.pins.is_some());
+        self.subscription = Subscription::default();
+        self.last_sequence = 0;
+        if let Some(pins) = &mut self.pins {
+            pins.reset();
+        }
     }
 
     fn answer_hello(&mut self, hello: &Hello) {
@@ -232,104 +252,35 @@ impl<L: LawSet> Drive<L> {
             self.state(),
             &parameters,
             self.parameters.count(),
+            self.capabilities(),
         ));
         if let Some(fault) = self.lifecycle.fault() {
             self.output.send(fault);
         }
         if !same_version {
-            self.send_result(Hello::LAYOUT.kind, Outcome::VersionMismatch);
+            self.refuse(Hello::LAYOUT.kind, Outcome::VersionMismatch);
         }
     }
 
-    fn arm(&mut self, session: u32) -> Outcome {
-        if self.lifecycle.session() != Some(session) {
-            return Outcome::WrongSession;
-        }
-        if self.state() != State::Idle {
-            return Outcome::WrongState;
-        }
-        if let Err(signal) = self.subscription.check(self.parameters.law(), L::SIGNALS) {
-            return self.refuse_signal(signal);
-        }
-        match self.control() {
-            Ok(control) => match self.check_pins() {
-                Ok(()) => {
-                    self.lifecycle = Lifecycle::Armed { session, control };
-                    Outcome::Accepted
-                }
-                Err(outcome) => outcome,
-            },
-            Err(error) => {
-                self.log(LogLevel::Error, &[error.name, " does not go with the others"]);
-                Outcome::Inconsistent
-            }
-        }
+    fn capabilities(&self) -> Capabilities {
+        let mut capabilities = Capabilities::DEVICE_TIME;
+        capabilities.set(Capabilities::BENCH_MODE, self.pins.is_some());
+        capabilities.set(Capabilities::LOADER, self.loader != Loader::Absent);
+        capabilities
     }
 
-    fn control(&self) -> Result<ControlLoop<L>, ParameterError> {
-        let bench_mode = self.parameters.bench_mode();
-        if let Some(parameters) = &bench_mode {
-            parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
-        }
-        ControlLoop::new(&self.parameters, bench_mode.and(self.pins.as_ref()).map(Pins::hardware))
+    /// Counts of the line and samples of a run begin anew.
+    pub(super) fn begin_counts(&mut self) {
+        self.line_counts = LineCounts::starting_at(self.decoder.counters());
+        self.last_sequence = 0;
     }
 
-    /// A signal that the law in force doesn't have.
-    fn refuse_signal(&mut self, signal: &Signal) -> Outcome {
-        let law = L::NAMES.get(self.parameters.law() as usize).copied().unwrap_or_default();
-        self.log(LogLevel::Error, &[signal.name, " isn't a signal of ", law]);
-        Outcome::Inconsistent
-    }
-
-    fn subscribe(&mut self, request: &Subscribe) -> Outcome {
-        let state = self.state();
-        if matches!(state, State::Boot | State::Faulted) {
-            return Outcome::WrongState;
-        }
-        let subscription = match Subscription::requested(request, L::SIGNALS) {
-            Ok(subscription) => subscription,
-            Err(outcome) => return outcome,
-        };
-        // In Idle the law may still change; arming checks it.
-        if state != State::Idle
-            && let Err(signal) = subscription.check(self.parameters.law(), L::SIGNALS)
-        {
-            return self.refuse_signal(signal);
-        }
-        self.subscription = subscription;
-        Outcome::Accepted
-    }
-
-    fn start(&mut self, session: u32, now: Duration) -> Outcome {
-        if self.lifecycle.session() != Some(session) {
-            return Outcome::WrongSession;
-        }
-        // What was plausible at `Arm` may no longer be.
-        if self.state() == State::Armed
-            && let Err(outcome) = self.check_pins()
-        {
-            return outcome;
-        }
-        let drive = self.parameters.drive();
-        let source = match self.parameters.bench_mode() {
-            None => Source::Link { last_answer: None },
-            Some(parameters) => Source::Pins(PinRun::new(parameters, &drive, now)),
-        };
-        let outcome = self.lifecycle.start(&drive, source, now);
-        if outcome == Outcome::Accepted {
-            self.line_counts = LineCounts::starting_at(self.decoder.counters());
-            self.last_sequence = 0;
-        }
-        outcome
-    }
-
-    fn answer_sample(&mut self, sample: &EncoderSample, clock: &impl Clock) {
-        let arrived = clock.now();
+    fn answer_sample(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) {
         // A sample after the watchdog's deadline is too late, even if `tick` was not called in between. Its torque
         // precedes the fault report.
         let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation));
         match &mut self.lifecycle {
-            Lifecycle::Boot => self.send_result(EncoderSample::LAYOUT.kind, Outcome::WrongState),
+            Lifecycle::Boot => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
             Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
                 self.send_zero_torque(sample.sequence, TorqueFlags::empty(), arrived, clock);
             }
@@ -344,8 +295,8 @@ impl<L: LawSet> Drive<L> {
                     }
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
-                Reply::OutOfSequence => self.send_result(EncoderSample::LAYOUT.kind, Outcome::OutOfSequence),
-                Reply::OfPins => self.send_result(EncoderSample::LAYOUT.kind, Outcome::WrongState),
+                Reply::OutOfSequence => self.refuse(EncoderSample::LAYOUT.kind, Outcome::OutOfSequence),
+                Reply::OfPins => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
                     let fault = self.latch(violation);
@@ -362,7 +313,8 @@ impl<L: LawSet> Drive<L> {
     /// The torque is zero from here on; the caller sends the report after the answer that is due.
     pub(super) fn latch(&mut self, violation: Violation) -> FaultReport {
         let Violation { code, value, limit, detail } = violation;
-        let report = FaultReport { code, sequence: self.last_sequence, value, limit, detail };
+        let sequence = self.last_sequence;
+        let report = FaultReport { code, sequence, value, limit, detail, device_time_us: None };
         self.lifecycle.latch(report);
         report
     }
@@ -376,12 +328,19 @@ impl<L: LawSet> Drive<L> {
     fn send_description(&mut self, request: u8, description: Option<DriveMessage>) {
         match description {
             Some(description) => self.output.send(description),
-            None => self.send_result(request, Outcome::UnknownIndex),
+            None => self.refuse(request, Outcome::UnknownIndex),
         }
     }
 
+    /// Refuses a request of this kind, with nothing more to say.
+    pub(super) fn refuse(&mut self, request: u8, outcome: Outcome) {
+        self.send_result(request, Err(outcome.into()));
+    }
+
     /// Sends the result of a request of this kind, which has no answer of its own.
-    pub(super) fn send_result(&mut self, request: u8, outcome: Outcome) {
-        self.output.send(CommandResult { request, outcome, state: self.state() });
+    fn send_result(&mut self, request: u8, result: Result<(), Refusal>) {
+        let Refusal { outcome, detail } = Refusal::of(result);
+        let state = self.state();
+        self.output.send(CommandResult { request, outcome, state, detail, device_time_us: None });
     }
 }

@@ -20,6 +20,7 @@
 //! | module | concept |
 //! |---|---|
 //! | `machine` | [`Drive`]: bytes in, one handler per request, bytes out |
+//! | `arming`, `refusal` | what `Subscribe`, `Arm` and `Start` check; why a request was refused |
 //! | `lifecycle` | the states above; each owns what only it has |
 //! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
@@ -29,13 +30,14 @@
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
 //! | `pin_parameters` | the parameters of bench mode |
-//! | `descriptions` | names of laws and signals |
+//! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
 //! The laws of a drive, and with them the tables of its parameters and signals, are a [`LawSet`](crate::law::LawSet).
 
+mod arming;
 mod bench_mode;
 mod bench_sample;
 mod clock;
@@ -44,6 +46,7 @@ mod descriptions;
 mod identity;
 mod lifecycle;
 mod line_counts;
+mod lists;
 mod loader;
 mod loader_entry;
 mod machine;
@@ -52,6 +55,7 @@ mod parameters;
 mod pin_parameters;
 mod pin_run;
 mod pins;
+mod refusal;
 mod run;
 mod safety;
 mod subscription;

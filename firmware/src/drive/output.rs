@@ -1,4 +1,6 @@
-//! The transmit buffer.
+//! The transmit buffer: what is sent gets its number and its device time here.
+
+use core::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, LogLevel};
 use lashloop_protocol::message::{FaultReport, Log};
@@ -14,6 +16,10 @@ pub(super) struct Output {
     bytes: heapless::Vec<u8, CAPACITY>,
     /// Not encoded yet, see [`Self::send_later`]: the report of a step, its telemetry, and that of a fault.
     deferred: heapless::Vec<DriveMessage, 3>,
+    /// Number of the request that is being answered.
+    number: u8,
+    /// The latest device time that the drive was told.
+    now: Duration,
 }
 
 impl Output {
@@ -35,10 +41,21 @@ impl Output {
         self.bytes.len() + self.deferred.len() * MAX_FRAME + LONGEST_ANSWER <= CAPACITY
     }
 
+    /// What is sent from here on answers the request of this number, which arrived at `now`.
+    pub(super) fn begin_answer(&mut self, number: u8, now: Duration) {
+        self.number = number;
+        self.note_time(now);
+    }
+
+    /// Notes the device time for what is sent from here on. It never runs backwards.
+    pub(super) fn note_time(&mut self, now: Duration) {
+        self.now = self.now.max(now);
+    }
+
     /// Appends a whole frame. A frame that does not fit is omitted, never cut; the reserve that
     /// [`Self::fits_an_answer`] checks guarantees that answers fit.
     pub(super) fn send(&mut self, message: impl Into<DriveMessage>) {
-        self.append(&message.into());
+        self.append(message.into());
     }
 
     /// As [`Self::send`], but encoded with the next answer or for the transmission: in a tick it would cost a quarter of the
@@ -47,20 +64,24 @@ impl Output {
         if self.deferred.is_full() {
             self.encode_deferred();
         }
-        let _ = self.deferred.push(message.into());
+        let mut message = message.into();
+        stamp(&mut message, self.now);
+        let _ = self.deferred.push(message);
     }
 
     #[inline(never)]
     fn encode_deferred(&mut self) {
-        let Self { bytes, deferred } = self;
-        deferred.iter().for_each(|message| encode(bytes, message));
+        let Self { bytes, deferred, .. } = self;
+        // None of these kinds has a number.
+        deferred.iter().for_each(|message| encode(bytes, message, 0));
         deferred.clear();
     }
 
     /// One function for all messages: an encoder per message type would cost the image a kilobyte.
-    fn append(&mut self, message: &DriveMessage) {
+    fn append(&mut self, mut message: DriveMessage) {
         self.encode_deferred();
-        encode(&mut self.bytes, message);
+        stamp(&mut message, self.now);
+        encode(&mut self.bytes, &message, self.number);
     }
 
     /// Appends a log line, unless it would displace an answer.
@@ -68,18 +89,65 @@ impl Output {
         if self.fits_an_answer() {
             let mut text = Text::EMPTY;
             pieces.iter().for_each(|piece| text.push(piece));
-            self.send(Log { level, text });
+            self.send(Log { level, text, device_time_us: None });
         }
     }
 }
 
 #[inline(never)]
-fn encode(bytes: &mut heapless::Vec<u8, CAPACITY>, message: &DriveMessage) {
-    let _ = bytes.extend_from_slice(&message.frame());
+fn encode(bytes: &mut heapless::Vec<u8, CAPACITY>, message: &DriveMessage, number: u8) {
+    let _ = bytes.extend_from_slice(&message.numbered_frame(number));
 }
 
-/// The fault report of a failed firmware as a whole frame, for panic and fault handlers that can't reach the drive.
+/// Writes the device time into a message that has a field for it.
+fn stamp(message: &mut DriveMessage, now: Duration) {
+    let field = match message {
+        DriveMessage::Identity(it) => &mut it.device_time_us,
+        DriveMessage::ParameterReport(it) => &mut it.device_time_us,
+        DriveMessage::LineReport(it) => &mut it.device_time_us,
+        DriveMessage::CommandResult(it) => &mut it.device_time_us,
+        DriveMessage::FaultReport(it) => &mut it.device_time_us,
+        DriveMessage::Log(it) => &mut it.device_time_us,
+        DriveMessage::ParameterDescription(_)
+        | DriveMessage::LawDescription(_)
+        | DriveMessage::SignalDescription(_)
+        | DriveMessage::ChoiceDescription(_)
+        | DriveMessage::TorqueAnswer(_)
+        | DriveMessage::Telemetry(_)
+        | DriveMessage::BenchSample(_) => return,
+    };
+    *field = Some(device_time_us(now));
+}
+
+/// Device time in us, modulo 2^32. In 32-bit arithmetic: a microcontroller divides 64 bits in software.
+fn device_time_us(now: Duration) -> u32 {
+    (now.as_secs() as u32).wrapping_mul(1_000_000).wrapping_add(now.subsec_micros())
+}
+
+/// The fault report of a failed firmware at device time `now` as a whole frame, for panic and fault handlers that can't
+/// reach the drive.
 #[must_use]
-pub fn fault_frame(code: FaultCode, detail: u32) -> Frame {
-    Frame::of(&FaultReport { code, sequence: 0, value: 0.0, limit: 0.0, detail })
+pub fn fault_frame(code: FaultCode, detail: u32, now: Duration) -> Frame {
+    let device_time_us = Some(device_time_us(now));
+    Frame::of(&FaultReport { code, sequence: 0, value: 0.0, limit: 0.0, detail, device_time_us })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn device_time_wraps_after_71_minutes() {
+        let us = |us| device_time_us(Duration::from_micros(us));
+        assert_eq!([us(0), us(1_234_567_890), us(1 << 32), us((3 << 32) + 5)], [0, 1_234_567_890, 0, 5]);
+        assert_eq!(device_time_us(Duration::from_nanos(1_999)), 1);
+    }
+
+    #[test]
+    fn a_time_before_the_latest_one_changes_nothing() {
+        let mut output = Output::default();
+        output.note_time(Duration::from_micros(7));
+        output.begin_answer(3, Duration::from_micros(5));
+        assert_eq!(output.now, Duration::from_micros(7));
+    }
 }

@@ -8,8 +8,11 @@ use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{ChoiceDescription, ParameterDescription, ParameterReport, SetParameter};
 use lashloop_protocol::text::Text;
 
+use super::control_loop::ControlLoop;
+use super::lists;
 use super::pin_parameters::{PinParameters, SampleSource};
-use crate::law::{DriveParameters, LawSet, Parameter, ParameterGroup, Words, table};
+use super::refusal::Refusal;
+use crate::law::{DriveParameters, LawSet, Parameter, ParameterError, ParameterGroup, Words, table};
 
 /// Indices of the drive's own parameters: every table begins with `controller`, then has these.
 static OF_DRIVE: [u8; DriveParameters::TABLE.len()] = {
@@ -78,31 +81,41 @@ impl<L: LawSet> Parameters<L> {
         (parameters.sample_source == SampleSource::Pins).then_some(parameters)
     }
 
-    pub(super) fn get(&self, index: u8, state: State) -> ParameterReport {
-        self.report(index, Outcome::Accepted, state)
+    /// The refusal of parameters that don't go together. For a name that the drive doesn't have it is that of `controller`.
+    pub(super) fn inconsistent(error: &ParameterError) -> Refusal {
+        let mut table = L::PARAMETERS.iter().chain(PinParameters::TABLE);
+        let index = table.position(|parameter| parameter.name == error.name);
+        Refusal { outcome: Outcome::Inconsistent, detail: index.unwrap_or(0) as u32 }
     }
 
-    /// Sets a value. The report carries the value in force, whether it was set or not.
-    pub(super) fn set(&mut self, request: &SetParameter, state: State) -> ParameterReport {
-        let outcome = match state {
-            State::Idle => self.put(request),
-            State::Boot | State::Armed | State::Running | State::Faulted => Outcome::WrongState,
-        };
-        self.report(request.index, outcome, state)
+    pub(super) fn get(&self, index: u8, state: State) -> ParameterReport {
+        self.report(index, Ok(()), state)
+    }
+
+    /// Sets a value. The report carries the value in force, whether it was set or not. An armed or running drive has a
+    /// `control`.
+    pub(super) fn set(
+        &mut self,
+        request: &SetParameter,
+        state: State,
+        control: Option<&mut ControlLoop<L>>,
+    ) -> ParameterReport {
+        let result = self.put(request, state, control);
+        self.report(request.index, result, state)
     }
 
     /// The description of a parameter.
     pub(super) fn describe(&self, index: u8, state: State) -> DriveMessage {
         match self.entry(index) {
             Some((parameter, _)) => description(index, &parameter),
-            None => self.report(index, Outcome::UnknownIndex, state).into(),
+            None => self.report(index, Ok(()), state).into(),
         }
     }
 
-    /// The name of a value; `None` if no parameter has this index, or no choice of it this value.
+    /// The name of a value; `None` if no parameter and no list of the drive has this index, or none of its values this number.
     pub(super) fn describe_choice(&self, parameter: u8, choice: u8) -> Option<DriveMessage> {
-        let names = self.entry(parameter)?.0.range.choices()?;
-        let name = Text::new(names.get(usize::from(choice))?);
+        let of_parameter = || self.entry(parameter)?.0.range.choices()?.get(usize::from(choice)).copied();
+        let name = Text::new(lists::name(parameter, choice).or_else(of_parameter)?);
         Some(ChoiceDescription { parameter, choice, name }.into())
     }
 
@@ -119,36 +132,50 @@ impl<L: LawSet> Parameters<L> {
         Some((Parameter { laws, ..*parameter }, word))
     }
 
-    fn put(&mut self, request: &SetParameter) -> Outcome {
-        let Some((parameter, _)) = self.entry(request.index) else { return Outcome::UnknownIndex };
-        let word = match parameter.range.word(request.value) {
-            Ok(word) => word,
-            Err(outcome) => return outcome,
-        };
+    fn put(
+        &mut self,
+        request: &SetParameter,
+        state: State,
+        control: Option<&mut ControlLoop<L>>,
+    ) -> Result<(), Refusal> {
+        let (parameter, before) = self.entry(request.index).ok_or(Outcome::UnknownIndex)?;
+        let may_be_set = state == State::Idle || parameter.live && control.is_some();
+        if !may_be_set {
+            return Err(Outcome::WrongState.into());
+        }
+        self.write(request.index, parameter.range.word(request.value)?);
+        if let Some(control) = control
+            && let Err(error) = control.update(&self.words)
+        {
+            self.write(request.index, before);
+            return Err(Self::inconsistent(&error));
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, index: u8, word: u32) {
         let mut words = self.words.as_mut().iter_mut().chain(self.pins.iter_mut().flatten());
-        if let Some(place) = words.nth(request.index.into()) {
+        if let Some(place) = words.nth(index.into()) {
             *place = word;
         }
-        Outcome::Accepted
     }
 
     /// The value in force; zero and `UnknownIndex` if no parameter has this index.
-    fn report(&self, index: u8, outcome: Outcome, state: State) -> ParameterReport {
-        match self.entry(index) {
-            Some((parameter, word)) => {
-                ParameterReport { index, outcome, value: parameter.range.value(word), state }
-            }
-            None => {
-                let (outcome, value) = (Outcome::UnknownIndex, ParameterValue::U32(0));
-                ParameterReport { index, outcome, value, state }
-            }
-        }
+    fn report(&self, index: u8, result: Result<(), Refusal>, state: State) -> ParameterReport {
+        let (value, result) = match self.entry(index) {
+            Some((parameter, word)) => (parameter.range.value(word), result),
+            None => (ParameterValue::U32(0), Err(Outcome::UnknownIndex.into())),
+        };
+        let Refusal { outcome, detail } = Refusal::of(result);
+        ParameterReport { index, outcome, value, state, detail, device_time_us: None }
     }
 }
 
 fn description(index: u8, parameter: &Parameter) -> DriveMessage {
     let range = parameter.range;
-    let flags = if range.choices().is_some() { ParameterFlags::CHOICES } else { ParameterFlags::empty() };
+    let mut flags = ParameterFlags::empty();
+    flags.set(ParameterFlags::CHOICES, range.choices().is_some());
+    flags.set(ParameterFlags::LIVE, parameter.live);
     ParameterDescription {
         index,
         flags,

@@ -6,7 +6,8 @@ use core::time::Duration;
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::Outcome;
 
-use crate::law::DriveParameters;
+use super::refusal::Refusal;
+use crate::law::{DriveParameters, ROUNDING};
 use crate::power_stage::PowerStageFault;
 
 /// Limits of the hardware of bench mode.
@@ -38,6 +39,24 @@ pub struct PinReadings {
     pub load: EncoderReading,
     /// Fault of the power stage.
     pub stage_fault: Option<PowerStageFault>,
+}
+
+/// Why the readings of the encoders allow no torque: the detail of the refusal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Implausible {
+    /// The encoders were not read since power-up.
+    Unread = 1,
+    MotorTooFast = 2,
+    LoadTooFast = 3,
+    /// Both channels of the motor encoder changed at once.
+    MotorChannels = 4,
+    LoadChannels = 5,
+}
+
+impl From<Implausible> for Refusal {
+    fn from(cause: Implausible) -> Self {
+        Self { outcome: Outcome::EncoderImplausible, detail: cause as u32 }
+    }
 }
 
 /// One encoder since power-up or reset.
@@ -86,33 +105,26 @@ impl Pins {
         self.latest = Some((*readings, due));
     }
 
-    /// Whether the pins allow torque. The text names the cause of a refusal.
+    /// Whether the pins allow torque.
     ///
     /// # Errors
-    /// [`Outcome::PowerStageFault`] or [`Outcome::EncoderImplausible`].
-    pub(super) fn check(&self, drive: &DriveParameters) -> Result<(), (Outcome, &'static str)> {
-        let implausible = |cause| Err((Outcome::EncoderImplausible, cause));
-        let Some((readings, _)) = self.latest else { return implausible("no reading of the encoders") };
-        match readings.stage_fault {
-            None => {}
-            Some(PowerStageFault::BreakInput) => {
-                return Err((Outcome::PowerStageFault, "the break input is active"));
-            }
-            Some(PowerStageFault::FaultLine) => {
-                return Err((Outcome::PowerStageFault, "the fault line is active"));
-            }
+    /// [`Outcome::PowerStageFault`] or [`Outcome::EncoderImplausible`], with the cause.
+    pub(super) fn check(&self, drive: &DriveParameters) -> Result<(), Refusal> {
+        let Some((readings, _)) = self.latest else { return Err(Implausible::Unread.into()) };
+        if let Some(fault) = readings.stage_fault {
+            return Err(Refusal { outcome: Outcome::PowerStageFault, detail: fault as u32 });
         }
         if readings.motor.illegal_transitions != self.motor.illegal_at_reset {
-            return implausible("motor encoder: both channels changed at once");
+            return Err(Implausible::MotorChannels.into());
         }
         if readings.load.illegal_transitions != self.load.illegal_at_reset {
-            return implausible("load encoder: both channels changed at once");
+            return Err(Implausible::LoadChannels.into());
         }
-        if self.motor.fastest_rad_s(drive.motor_counts_per_rev) > drive.motor_speed_limit_rad_s {
-            return implausible("motor encoder: faster than its limit");
+        if self.motor.is_too_fast(drive.motor_counts_per_rev, drive.motor_speed_limit_rad_s) {
+            return Err(Implausible::MotorTooFast.into());
         }
-        if self.load.fastest_rad_s(drive.load_counts_per_rev) > drive.load_speed_limit_rad_s {
-            return implausible("load encoder: faster than its limit");
+        if self.load.is_too_fast(drive.load_counts_per_rev, drive.load_speed_limit_rad_s) {
+            return Err(Implausible::LoadTooFast.into());
         }
         Ok(())
     }
@@ -131,7 +143,8 @@ impl Observed {
         }
     }
 
-    fn fastest_rad_s(&self, counts_per_rev: u32) -> f32 {
-        self.fastest_counts_per_s * (TAU / counts_per_rev as f32)
+    fn is_too_fast(&self, counts_per_rev: u32, limit_rad_s: f32) -> bool {
+        let fastest_rad_s = self.fastest_counts_per_s * (TAU / counts_per_rev as f32);
+        fastest_rad_s > limit_rad_s * (1.0 + ROUNDING)
     }
 }

@@ -80,6 +80,11 @@ impl<L: LawSet> Run<L> {
         self.control.signals()
     }
 
+    /// The control loop, for a live parameter.
+    pub(super) fn control(&mut self) -> &mut ControlLoop<L> {
+        &mut self.control
+    }
+
     pub(super) fn watchdog(&self) -> &Watchdog {
         &self.watchdog
     }

@@ -5,6 +5,7 @@ use lashloop_protocol::limits::{MAX_SIGNALS, MAX_TELEMETRY_VALUES};
 use lashloop_protocol::message::{Subscribe, Telemetry};
 use lashloop_protocol::telemetry_values::TelemetryValues;
 
+use super::refusal::Refusal;
 use crate::law::Signal;
 
 /// Signals of telemetry and its rate. Both are zero without a subscription.
@@ -37,15 +38,22 @@ impl Subscription {
     ///
     /// # Errors
     /// The first signal that the law lacks.
-    pub(super) fn check(&self, law: u32, table: &'static [Signal]) -> Result<(), &'static Signal> {
-        let mut subscribed = table.iter().enumerate().filter(|(index, _)| self.signals >> index & 1 != 0);
-        let missing = subscribed.find(|(_, signal)| u32::from(signal.laws) >> law & 1 == 0);
-        missing.map_or(Ok(()), |(_, signal)| Err(signal))
+    pub(super) fn check(&self, law: u32, table: &[Signal]) -> Result<(), Refusal> {
+        let mut subscribed = (0..).zip(table).filter(|(index, _)| self.signals >> index & 1 != 0);
+        match subscribed.find(|(_, signal)| u32::from(signal.laws) >> law & 1 == 0) {
+            None => Ok(()),
+            Some((detail, _)) => Err(Refusal { outcome: Outcome::SignalOfOtherLaw, detail }),
+        }
+    }
+
+    /// Whether any sample has telemetry, if there are signals.
+    pub(super) fn has_rate(&self) -> bool {
+        self.every > 0
     }
 
     /// Whether telemetry follows the torque of this sample.
     pub(super) fn is_due(&self, sequence: u16) -> bool {
-        self.every > 0 && sequence.is_multiple_of(self.every)
+        self.has_rate() && sequence.is_multiple_of(self.every)
     }
 
     /// The subscribed ones of all signals' values; `None` without a subscribed signal.

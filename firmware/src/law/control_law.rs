@@ -25,13 +25,26 @@ pub trait ControlLaw: Sized {
     /// What telemetry may carry: a struct of [`signals!`](crate::signals), or `()`.
     type Signals: Signals;
 
+    /// Names of the parameters that the law takes while the drive is armed or running. One that several laws have is live if
+    /// each of them takes it.
+    const LIVE: &'static [&'static str] = &[];
+
     /// The law in its initial state. The values are in their ranges; `drive` has the period, the encoders and the torque
     /// limit.
     ///
     /// # Errors
     /// A parameter beyond a limit that other parameters set; [`ParameterError::at_most`] checks one. `Arm` is then
-    /// rejected as inconsistent, and the log names the parameter.
+    /// rejected as inconsistent, and the answer names the parameter by its index.
     fn new(parameters: Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError>;
+
+    /// Takes a new value of a parameter of [`Self::LIVE`], in force from the next step; all others are as in [`Self::new`]. A
+    /// law that names such parameters implements it.
+    ///
+    /// # Errors
+    /// As in [`Self::new`]. The law is then as before, and the drive keeps the value before.
+    fn update(&mut self, _parameters: &Self::Parameters) -> Result<(), ParameterError> {
+        Ok(())
+    }
 
     /// Torque and signals for one sample. A torque that is not finite is a fault of the drive.
     fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<Self::Signals>;

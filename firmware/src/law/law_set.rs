@@ -31,6 +31,12 @@ pub trait LawSet: Sized + Send + 'static {
     /// If the parameters, each in its range, don't go together.
     fn new(law: u32, words: &Self::Words, drive: &DriveParameters) -> Result<Self, ParameterError>;
 
+    /// Passes the words to the law in force after the change of a live one.
+    ///
+    /// # Errors
+    /// If the new value doesn't go with the others. The law is then as before.
+    fn update(&mut self, words: &Self::Words) -> Result<(), ParameterError>;
+
     /// Torque in N m for one sample, before the drive's limit. Writes the signals to `signals`, in place, because a copy
     /// would cost more instructions than some laws.
     fn step(&mut self, measurement: &Measurement<f32>, signals: &mut Option<Self::Signals>) -> f32;
@@ -70,8 +76,12 @@ macro_rules! laws {
                 &[&[table::controller(NAMES)], <DriveParameters as ParameterGroup>::TABLE];
             const PARAMETER_COUNT: usize =
                 table::collect_parameters(PARAMETERS_OF_DRIVE, PARAMETERS_OF_LAWS).len;
-            static PARAMETERS: [Parameter; PARAMETER_COUNT] =
-                table::collect_parameters(PARAMETERS_OF_DRIVE, PARAMETERS_OF_LAWS).exact();
+            const LIVE_OF_LAWS: &[&[&str]] = &[$(<$ty as ControlLaw>::LIVE),+];
+            static PARAMETERS: [Parameter; PARAMETER_COUNT] = table::mark_live(
+                table::collect_parameters(PARAMETERS_OF_DRIVE, PARAMETERS_OF_LAWS).exact(),
+                table::total(PARAMETERS_OF_DRIVE),
+                LIVE_OF_LAWS,
+            );
 
             const SIGNALS_OF_LAWS: &[&[&[Signal]]] =
                 &[$(&[<<$ty as ControlLaw>::Signals as Signals>::TABLE]),+];
@@ -102,6 +112,16 @@ macro_rules! laws {
                         }
                     )+
                     ::core::result::Result::Err(table::no_law(law, NAMES))
+                }
+
+                fn update(&mut self, words: &Self::Words) -> ::core::result::Result<(), $crate::law::ParameterError> {
+                    match self {
+                        $(Self::$law(law) => {
+                            const GROUPS: &[&[Parameter]] = PARAMETERS_OF_LAWS[Index::$law as usize];
+                            static MAP: [u8; table::total(GROUPS)] = table::map_parameters(&PARAMETERS, GROUPS);
+                            table::update(law, &MAP, words)
+                        })+
+                    }
                 }
 
                 #[inline(always)]

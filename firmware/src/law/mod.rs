@@ -101,7 +101,7 @@ pub use drive_signals::DriveSignals;
 pub use law_set::LawSet;
 pub use measurement::{ControlOutput, Measurement};
 pub use parameter::{Parameter, Range};
-pub use parameter_error::ParameterError;
+pub use parameter_error::{ParameterError, ROUNDING};
 pub use parameter_group::{Choice, ParameterGroup, ParameterGroups, Words};
 pub use real::Real;
 pub use signal::{Signal, Signals};

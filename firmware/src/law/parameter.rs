@@ -13,6 +13,8 @@ pub struct Parameter {
     pub range: Range,
     /// Laws that have the parameter, bit `n` for law `n` of the set. A group declares none; `laws!` collects them.
     pub laws: u16,
+    /// Whether the drive takes a value while it is armed or running. A group declares none; `laws!` collects them.
+    pub live: bool,
 }
 
 /// Type of a parameter, with its default and its allowed values.
@@ -49,7 +51,7 @@ impl Parameter {
     /// A parameter of no law yet.
     #[must_use]
     pub const fn new(name: &'static str, unit: &'static str, range: Range) -> Self {
-        Self { name, unit, range, laws: 0 }
+        Self { name, unit, range, laws: 0, live: false }
     }
 }
 

@@ -5,6 +5,9 @@
 
 use super::real::Real;
 
+/// Relative difference of a value from a limit of the hardware that rounding to single precision explains.
+pub const ROUNDING: f32 = 1e-6;
+
 /// A parameter beyond the limit that other parameters set.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("control parameter {name} is {value}, allowed is at most {max}, given by {given_by}")]

@@ -4,7 +4,7 @@
 //! A declaration that the wire can't carry, or that contradicts another one of the same name, doesn't compile.
 
 use lashloop_protocol::limits::MAX_LAWS;
-pub use lashloop_protocol::limits::MAX_SIGNALS;
+pub use lashloop_protocol::limits::{MAX_PARAMETERS, MAX_SIGNALS};
 use lashloop_protocol::text::{ChoiceName, LawName, ParameterName, SignalName, UnitName};
 
 use super::control_law::ControlLaw;
@@ -13,9 +13,13 @@ use super::parameter::{Parameter, Range};
 use super::parameter_error::ParameterError;
 use super::parameter_group::{ParameterGroups, Words};
 use super::signal::{Signal, Signals};
+use text::{check_name, check_names, check_text, fail, same_text, same_texts};
 
-/// Most parameters of a drive: their number has 8 bits.
-pub const MAX_PARAMETERS: usize = 255;
+pub use live::mark_live;
+
+mod live;
+mod text;
+
 /// Most choices of a parameter: a choice is sent as one byte.
 const CHOICES_MAX: usize = 256;
 
@@ -114,7 +118,7 @@ collected!(
     Parameter,
     MAX_PARAMETERS,
     Parameter::new("", "", Range::U32 { default: 0, min: 0, max: 0 }),
-    "is one parameter too many: a drive has at most 255",
+    "is one parameter too many: a drive has at most 240",
     collect_parameters,
     map_parameters
 );
@@ -245,7 +249,7 @@ pub const fn check_appended(table: &[Parameter], appended: &[Parameter]) {
             earlier += 1;
         }
         if table.len() + at == MAX_PARAMETERS {
-            fail(appended[at].name, "is one parameter too many: a drive has at most 255");
+            fail(appended[at].name, "is one parameter too many: a drive has at most 240");
         }
         at += 1;
     }
@@ -271,6 +275,18 @@ pub fn build<L: ControlLaw>(map: &[u8], words: &[u32], drive: &DriveParameters) 
     L::new(L::Parameters::read(&mut Words::new(words, map)), drive)
 }
 
+/// Passes the parameters to a law after the change of a live one. `map` is as in [`build`].
+///
+/// # Errors
+/// If the new value doesn't go with the others. The law is then as before.
+pub fn update<L: ControlLaw>(law: &mut L, map: &[u8], words: &[u32]) -> Result<(), ParameterError> {
+    // A law without live parameters costs the image nothing.
+    if L::LIVE.is_empty() {
+        return Ok(());
+    }
+    law.update(&L::Parameters::read(&mut Words::new(words, map)))
+}
+
 /// The error for a law that doesn't exist; the range of `controller` excludes it.
 #[must_use]
 pub const fn no_law(law: u32, names: &[&str]) -> ParameterError {
@@ -290,74 +306,6 @@ pub fn scatter<S: Signals>(signals: &S, map: &[u8], values: &mut [f32; MAX_SIGNA
         if let Some(place) = values.get_mut(usize::from(*index)) {
             *place = value;
         }
-    }
-}
-
-/// Checks names of one kind, such as `a law`: each as [`check_name`] does, and that no two are equal.
-const fn check_names(kind: &str, names: &[&str], longest: usize, too_long: &str, repeated: &str) {
-    let mut at = 0;
-    while at < names.len() {
-        check_name(kind, names[at], longest, too_long);
-        let mut earlier = 0;
-        while earlier < at {
-            if same_text(names[earlier], names[at]) {
-                fail(names[at], repeated);
-            }
-            earlier += 1;
-        }
-        at += 1;
-    }
-}
-
-/// Names are not empty; units may be.
-const fn check_name(kind: &str, name: &str, longest: usize, too_long: &str) {
-    if name.is_empty() {
-        fail(kind, "has an empty name");
-    }
-    check_text(name, longest, too_long);
-}
-
-const fn check_text(text: &str, longest: usize, problem: &str) {
-    if text.len() > longest {
-        fail(text, problem);
-    }
-}
-
-const fn same_text(a: &str, b: &str) -> bool {
-    let (a, b) = (a.as_bytes(), b.as_bytes());
-    let mut at = 0;
-    while at < a.len() && at < b.len() && a[at] == b[at] {
-        at += 1;
-    }
-    at == a.len() && at == b.len()
-}
-
-const fn same_texts(a: &[&str], b: &[&str]) -> bool {
-    let mut at = 0;
-    while at < a.len() && at < b.len() && same_text(a[at], b[at]) {
-        at += 1;
-    }
-    at == a.len() && at == b.len()
-}
-
-/// Ends the compilation with "`name` `problem`". A constant can't format two texts, so they are joined byte by byte.
-const fn fail(name: &str, problem: &str) -> ! {
-    let mut text = [b' '; 160];
-    let name = name.as_bytes();
-    let mut at = 0;
-    while at < name.len() && at < 60 {
-        text[at] = name[at];
-        at += 1;
-    }
-    let mut from = 0;
-    at += 1;
-    while from < problem.len() && at < text.len() {
-        text[at] = problem.as_bytes()[from];
-        (at, from) = (at + 1, from + 1);
-    }
-    match core::str::from_utf8(text.split_at(at).0) {
-        Ok(text) => panic!("{}", text),
-        Err(_) => panic!("a declaration is invalid"),
     }
 }
 

@@ -2,72 +2,89 @@
 
 use lashloop_firmware::drive::PinReadings;
 use lashloop_firmware::power_stage::PowerStageFault;
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::Arm;
+use lashloop_protocol::message::{Arm, Start};
 
 use crate::host::SESSION;
-use crate::pin_host::PinHost;
+use crate::pin_host::{PinHost, index};
 
-/// One cause of a refusal, and its outcome.
-type Cause = (&'static str, fn(&mut PinHost), Outcome);
+/// One cause of a refusal, with outcome and detail.
+type Cause = (&'static str, fn(&mut PinHost), Outcome, u32);
 
-const CAUSES: [Cause; 5] = [
+const CAUSES: [Cause; 6] = [
     (
         "the break input is active",
         |host| host.readings.stage_fault = Some(PowerStageFault::BreakInput),
         Outcome::PowerStageFault,
+        1,
     ),
     (
         "the fault line is active",
         |host| host.readings.stage_fault = Some(PowerStageFault::FaultLine),
         Outcome::PowerStageFault,
+        2,
     ),
+    // 25,000 counts of 131,072 in 1 ms are 1198 rad/s.
+    ("motor encoder: faster than its limit", |host| host.turn(25_000, 0), Outcome::EncoderImplausible, 2),
+    // 2,500 counts are 120 rad/s.
+    ("load encoder: faster than its limit", |host| host.turn(0, 2_500), Outcome::EncoderImplausible, 3),
     (
         "motor encoder: both channels changed at once",
         |host| host.readings.motor.illegal_transitions = 1,
         Outcome::EncoderImplausible,
+        4,
     ),
     (
         "load encoder: both channels changed at once",
         |host| host.readings.load.illegal_transitions = 3,
         Outcome::EncoderImplausible,
+        5,
     ),
-    // 2,500 counts of 131,072 in 1 ms are 120 rad/s.
-    ("load encoder: faster than its limit", |host| host.turn(0, 2_500), Outcome::EncoderImplausible),
 ];
 
 #[test]
-fn arming_needs_plausible_pins_and_names_what_is_not() {
-    for (cause, happen, outcome) in CAUSES {
+fn arming_needs_plausible_pins_and_says_what_is_not() {
+    for (cause, happen, outcome, detail) in CAUSES {
         let mut host = PinHost::with(&[]);
         happen(&mut host);
         host.tick();
-        let answers = host.send(Arm { session: SESSION });
-        let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
-            panic!("{answers:?}")
-        };
-        assert_eq!(log.text.as_str(), cause);
-        assert_eq!((result.outcome, result.state), (outcome, State::Idle), "{cause}");
+        let refusal = host.refusal(Arm { session: SESSION });
+        assert_eq!(refusal, (outcome, detail, State::Idle), "{cause}");
     }
 }
 
 #[test]
 fn a_start_checks_the_pins_again() {
-    for (cause, happen, outcome) in CAUSES {
+    for (cause, happen, outcome, detail) in CAUSES {
         let mut host = PinHost::with(&[]);
         assert_eq!(host.arm().0, Outcome::Accepted);
         happen(&mut host);
         host.tick();
-        assert_eq!(host.start(), (outcome, State::Armed), "{cause}");
+        let refusal = host.refusal(Start { session: SESSION });
+        assert_eq!(refusal, (outcome, detail, State::Armed), "{cause}");
         assert_eq!(host.stage_nm(), None);
     }
 }
 
 #[test]
+fn an_encoder_at_its_limit_but_for_rounding_is_plausible() {
+    // 2,001 counts less one, over 1 ms. The product of scale and counts is rounded otherwise than the limit.
+    let limit_rad_s = 2_000.0 / 131_072.0 * std::f64::consts::TAU / 1e-3;
+    let arm = |limit_rad_s: f64| {
+        let mut host = PinHost::with(&[("load_speed_limit_rad_s", ParameterValue::F32(limit_rad_s as f32))]);
+        host.turn(0, 2_001);
+        host.tick();
+        host.arm().0
+    };
+    assert_eq!(arm(limit_rad_s * (1.0 - 0.5e-6)), Outcome::Accepted);
+    assert_eq!(arm(limit_rad_s * (1.0 - 2e-6)), Outcome::EncoderImplausible);
+}
+
+#[test]
 fn pins_that_were_never_read_do_not_arm() {
     let mut host = PinHost::unread();
-    assert_eq!(host.arm(), (Outcome::EncoderImplausible, State::Idle));
+    let refusal = host.refusal(Arm { session: SESSION });
+    assert_eq!(refusal, (Outcome::EncoderImplausible, 1, State::Idle));
     host.tick();
     assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
 }
@@ -114,6 +131,17 @@ fn hil_mode_arms_without_plausible_pins() {
 }
 
 #[test]
+fn a_limit_at_the_end_of_the_hardware_but_for_rounding_is_accepted() {
+    // Half the range of a counter of 16 bits in 1 ms.
+    let fastest_rad_s = 32_767.0 / 131_072.0 * std::f64::consts::TAU / 1e-3;
+    for (factor, want) in [(1.0 + 0.5e-6, Outcome::Accepted), (1.0 + 2e-6, Outcome::Inconsistent)] {
+        let limit = ParameterValue::F32((fastest_rad_s * factor) as f32);
+        let mut host = PinHost::with(&[("motor_speed_limit_rad_s", limit)]);
+        assert_eq!(host.arm().0, want, "{factor}");
+    }
+}
+
+#[test]
 fn what_the_hardware_cannot_do_is_inconsistent_by_name() {
     use ParameterValue::{F32, U32};
     let cases: [(&str, &[(&str, ParameterValue)]); 6] = [
@@ -128,11 +156,7 @@ fn what_the_hardware_cannot_do_is_inconsistent_by_name() {
     ];
     for (name, settings) in cases {
         let mut host = PinHost::with(settings);
-        let answers = host.send(Arm { session: SESSION });
-        let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
-            panic!("{name}: {answers:?}")
-        };
-        assert_eq!(log.text.as_str(), format!("{name} does not go with the others"));
-        assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, State::Idle));
+        let refusal = host.refusal(Arm { session: SESSION });
+        assert_eq!(refusal, (Outcome::Inconsistent, index(name).into(), State::Idle), "{name}");
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use lashloop_firmware::power_stage::PowerStageFault;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, Reference};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, GetParameter, Reference};
 
 use crate::pin_host::{PERIOD, PinHost};
 
@@ -209,6 +209,20 @@ fn the_report_of_a_fault_goes_ahead_of_the_next_answer() {
         panic!("{answers:?}")
     };
     assert_eq!((result.outcome, result.state), (Outcome::Accepted, State::Idle));
+}
+
+#[test]
+fn the_report_of_a_fault_is_not_earlier_than_the_answer_before_it() {
+    let mut host = PinHost::under_torque();
+    let late = Duration::from_micros(300);
+    let now = host.due + late;
+    host.clock.set(now);
+    host.send(GetParameter { index: 0 });
+    // The step was due before the request arrived.
+    host.readings.stage_fault = Some(PowerStageFault::FaultLine);
+    let answers = host.tick_after(late);
+    let report = host.assert_faulted(&answers, FaultCode::PowerStage);
+    assert_eq!(report.device_time_us, Some(now.as_micros() as u32));
 }
 
 #[test]

@@ -10,15 +10,18 @@ use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
     TorqueAnswer,
 };
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Numbered};
+
+use crate::line::{self, Line};
 
 pub const SESSION: u32 = 7;
-pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
+pub const HELLO: Hello = Hello::new(SESSION);
 
 /// The host of a drive with Lashloop's laws, unless others are named.
 pub struct Host<L: LawSet = Laws> {
     pub drive: Drive<L>,
     pub clock: ManualClock,
+    line: Line,
 }
 
 impl Host {
@@ -39,7 +42,7 @@ impl Host {
 
 impl<L: LawSet> Host<L> {
     pub fn of_laws() -> Self {
-        Self { drive: Drive::with_laws("test"), clock: ManualClock::default() }
+        Self { drive: Drive::with_laws("test"), clock: ManualClock::default(), line: Line::default() }
     }
 
     /// A host of a disarmed drive in a session.
@@ -67,28 +70,35 @@ impl<L: LawSet> Host<L> {
     }
 
     /// Sends bytes and returns the drive's whole output, that of earlier ticks included.
-    pub fn send_bytes(&mut self, mut bytes: &[u8]) -> Vec<DriveMessage> {
-        let mut answers = self.take_output();
+    pub fn send_bytes(&mut self, bytes: &[u8]) -> Vec<DriveMessage> {
+        line::messages(self.exchange(bytes))
+    }
+
+    /// As [`Self::send_bytes`], with the numbers of the messages.
+    pub fn exchange(&mut self, mut bytes: &[u8]) -> Vec<Numbered<DriveMessage>> {
+        let mut answers = self.line.take(&mut self.drive);
         while !bytes.is_empty() {
             let used = self.drive.receive(bytes, &self.clock);
             bytes = &bytes[used..];
-            answers.extend(self.take_output());
+            answers.extend(self.line.take(&mut self.drive));
         }
         answers
     }
 
     pub fn take_output(&mut self) -> Vec<DriveMessage> {
-        let mut decoder = Decoder::new();
-        let mut bytes = self.drive.output();
-        let messages =
-            std::iter::from_fn(|| decoder.next(&mut bytes)).map(|m| m.expect("a good frame")).collect();
-        decoder.finish().expect("whole frames");
-        self.drive.clear_output();
-        messages
+        line::messages(self.line.take(&mut self.drive))
     }
 
     pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
-        self.send_bytes(&message.into().frame())
+        let message = message.into();
+        let frame = self.line.request(&message);
+        let answers = self.exchange(&frame);
+        self.line.answers(&message, answers)
+    }
+
+    /// The result of a refusal, and nothing before it.
+    pub fn refusal(&mut self, message: impl Into<HostMessage>) -> (Outcome, u32, State) {
+        line::refusal(&self.send(message))
     }
 
     pub fn command(&mut self, message: impl Into<HostMessage>) -> (Outcome, State) {

@@ -5,11 +5,12 @@ use std::time::Duration;
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
 use lashloop_firmware::power_stage::StageCommand;
-use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::enums::{Capabilities, Outcome, State};
 use lashloop_protocol::message::{Arm, EnterLoader, Start};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use crate::host::{HELLO, SESSION};
+use crate::line::{Line, messages};
 use crate::pin_host::HARDWARE;
 
 /// A drive in `Idle`, at time 0.
@@ -22,10 +23,7 @@ fn idle(drive: Drive<Laws>) -> (Drive<Laws>, ManualClock) {
 fn send(drive: &mut Drive<Laws>, clock: &ManualClock, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
     let frame = message.into().frame();
     assert_eq!(drive.receive(&frame, clock), frame.len());
-    let (mut output, mut decoder) = (drive.output(), Decoder::new());
-    let messages = std::iter::from_fn(|| decoder.next(&mut output)).map(|it| it.expect("a frame")).collect();
-    drive.clear_output();
-    messages
+    messages(Line::default().take(drive))
 }
 
 fn outcome(messages: &[DriveMessage]) -> (Outcome, State) {
@@ -84,4 +82,20 @@ fn the_power_stage_is_off_on_the_way() {
     let (mut drive, clock) = idle(Drive::with_pins("test", HARDWARE).with_loader());
     let _ = send(&mut drive, &clock, EnterLoader { session: SESSION });
     assert_eq!(drive.stage_command(), StageCommand::Off);
+}
+
+#[test]
+fn the_identity_says_what_the_drive_has() {
+    let cases = [
+        (Drive::new("test"), Capabilities::DEVICE_TIME),
+        (Drive::new("test").with_loader(), Capabilities::DEVICE_TIME | Capabilities::LOADER),
+        (Drive::with_pins("test", HARDWARE), Capabilities::DEVICE_TIME | Capabilities::BENCH_MODE),
+        (Drive::with_pins("test", HARDWARE).with_loader(), Capabilities::all()),
+    ];
+    for (mut drive, want) in cases {
+        match send(&mut drive, &ManualClock::default(), HELLO)[..] {
+            [DriveMessage::Identity(it)] => assert_eq!(it.capabilities, want),
+            ref other => panic!("{other:?}"),
+        }
+    }
 }

@@ -3,7 +3,11 @@
 mod bench;
 mod bench_arming;
 mod bench_faults;
+mod growth;
 mod host;
+mod line;
+mod lists;
+mod live;
 mod loader;
 mod parameters;
 mod pin_host;

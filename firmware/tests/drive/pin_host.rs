@@ -10,9 +10,10 @@ use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, BenchSample, FaultReport, ParameterReport, Reference, Reset, SetParameter, Start,
 };
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
 use crate::host::{HELLO, SESSION};
+use crate::line::{self, Line};
 
 pub const PERIOD: Duration = Duration::from_millis(1);
 /// Counters of 16 bits, and a timer of 16 bits that counts microseconds.
@@ -32,6 +33,7 @@ pub struct PinHost {
     /// Due time of the next tick.
     pub due: Duration,
     pub number: u16,
+    line: Line,
 }
 
 impl PinHost {
@@ -49,6 +51,7 @@ impl PinHost {
             readings: PinReadings::default(),
             due: PERIOD,
             number: 0,
+            line: Line::default(),
         };
         host.send(HELLO);
         host
@@ -106,9 +109,16 @@ impl PinHost {
     }
 
     pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
-        let frame = message.into().frame();
+        let message = message.into();
+        let frame = self.line.request(&message);
         assert_eq!(self.drive.receive(&frame, &self.clock), frame.len());
-        self.take_output()
+        let answers = self.line.take(&mut self.drive);
+        self.line.answers(&message, answers)
+    }
+
+    /// The result of a refusal, and nothing before it.
+    pub fn refusal(&mut self, message: impl Into<HostMessage>) -> (Outcome, u32, State) {
+        line::refusal(&self.send(message))
     }
 
     pub fn command(&mut self, message: impl Into<HostMessage>) -> (Outcome, State) {
@@ -178,13 +188,7 @@ impl PinHost {
     }
 
     pub fn take_output(&mut self) -> Vec<DriveMessage> {
-        let mut decoder = Decoder::new();
-        let mut bytes = self.drive.output();
-        let messages =
-            std::iter::from_fn(|| decoder.next(&mut bytes)).map(|m| m.expect("a good frame")).collect();
-        decoder.finish().expect("whole frames");
-        self.drive.clear_output();
-        messages
+        line::messages(self.line.take(&mut self.drive))
     }
 }
 

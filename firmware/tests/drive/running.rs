@@ -118,6 +118,6 @@ fn the_line_report_counts_the_damage_of_the_run() {
     host.sample(0, 0, 0);
     let answers = host.send(Stop {});
     // The good messages are the sample and the stop.
-    let want = LineReport { messages: 2, damaged: 2, refused: 0, overruns: 3 };
+    let want = LineReport { messages: 2, damaged: 2, refused: 0, overruns: 3, device_time_us: Some(0) };
     assert_eq!(answers[0], DriveMessage::LineReport(want));
 }

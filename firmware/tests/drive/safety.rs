@@ -5,9 +5,9 @@ use std::time::Duration;
 use lashloop_firmware::drive::fault_frame;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Stop};
-use lashloop_protocol::{Decoder, DriveMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage};
 
-use crate::host::{Host, SESSION, fault, sample, torque};
+use crate::host::{HELLO, Host, SESSION, fault, sample, torque};
 
 const MOTOR: i64 = 3 * 32_768;
 const LOAD: i64 = 32_768;
@@ -79,9 +79,20 @@ fn the_first_fault_stays_latched_across_faults_and_sessions() {
     host.sample(0, 0, 0);
     host.sample(1, 8_388_607, 0);
     host.send(EmergencyStop {});
-    let answers = host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION + 1 });
+    let answers = host.send(Hello::new(SESSION + 1));
     assert!(matches!(answers[0], DriveMessage::Identity(identity) if identity.state == State::Faulted));
     assert_eq!(fault(&answers).code, FaultCode::MotorEncoderJump);
+}
+
+#[test]
+fn a_latched_fault_is_reported_again_with_the_time_of_the_report() {
+    let mut host = under_torque();
+    host.send(EmergencyStop {});
+    host.clock.advance(Duration::from_millis(5));
+    let [DriveMessage::Identity(identity), DriveMessage::FaultReport(report)] = host.send(HELLO)[..] else {
+        panic!("the identity, then the fault")
+    };
+    assert_eq!((identity.device_time_us, report.device_time_us), (Some(5_000), Some(5_000)));
 }
 
 #[test]
@@ -181,8 +192,9 @@ fn stop_and_reset_zero_the_torque() {
 
 #[test]
 fn the_fault_frame_of_a_handler_is_a_whole_fault_report() {
-    let frame = fault_frame(FaultCode::ProcessorFault, 0x0800_1234);
-    let message = Decoder::new().next(&mut &frame[..]);
-    let Some(Ok(DriveMessage::FaultReport(report))) = message else { panic!("{message:?}") };
+    let frame = fault_frame(FaultCode::ProcessorFault, 0x0800_1234, Duration::from_micros(77));
+    let message = Decoder::new().next(&mut &frame[..]).expect("a frame").expect("a message").message;
+    let DriveMessage::FaultReport(report) = message else { panic!("{message:?}") };
     assert_eq!((report.code, report.detail), (FaultCode::ProcessorFault, 0x0800_1234));
+    assert_eq!(report.device_time_us, Some(77));
 }

@@ -3,7 +3,7 @@
 use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, GetParameter, Hello, Reset, Start, Stop};
-use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, MINOR_VERSION, Message, PROTOCOL_VERSION};
 
 use crate::host::{HELLO, Host, SESSION, torque};
 
@@ -20,13 +20,13 @@ fn hello_ends_boot_and_returns_the_identity() {
     assert_eq!(identity.dirty, u8::from(BUILD_IS_DIRTY));
     assert_eq!((identity.law_count, identity.signal_count, identity.parameter_count), (6, 10, 64));
     assert_eq!(identity.board.as_str(), "test");
-    assert_eq!(identity.protocol_version, PROTOCOL_VERSION);
+    assert_eq!((identity.protocol_version, identity.minor_version), (PROTOCOL_VERSION, MINOR_VERSION));
 }
 
 #[test]
 fn another_protocol_version_is_rejected_with_the_identity() {
     let mut host = Host::new();
-    let hello = Hello { protocol_version: 9, session: SESSION };
+    let hello = Hello { protocol_version: 9, ..HELLO };
     assert_eq!(host.identity(hello).protocol_version, PROTOCOL_VERSION);
     assert_eq!(host.command(hello), (Outcome::VersionMismatch, State::Boot));
     assert_eq!(host.command(Arm { session: SESSION }), (Outcome::WrongSession, State::Boot));

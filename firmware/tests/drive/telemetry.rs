@@ -189,7 +189,9 @@ fn a_drive_takes_a_subscription_in_idle_armed_and_running_only() {
             panic!("the answer is one result")
         };
         let (outcome, state) = want;
-        assert_eq!(result, CommandResult { request: Subscribe::LAYOUT.kind, outcome, state });
+        let request = Subscribe::LAYOUT.kind;
+        let want = CommandResult { request, outcome, state, detail: 0, device_time_us: Some(0) };
+        assert_eq!(result, want);
     }
 }
 
@@ -291,12 +293,9 @@ fn a_signal_of_another_law_is_rejected_in_armed_and_running() {
     armed.send(Arm { session: SESSION });
     let running = Host::<OtherLaws>::running_with(&[]);
     for (mut host, state) in [(armed, State::Armed), (running, State::Running)] {
-        let answers = host.send(n);
-        let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
-            panic!("{answers:?}")
-        };
-        assert_eq!(log.text.as_str(), "n isn't a signal of many");
-        assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, state));
+        assert_eq!(host.refusal(n), (Outcome::SignalOfOtherLaw, n.signals.trailing_zeros(), state));
+        let without_rate = Subscribe { every: 0, ..n };
+        assert_eq!(host.refusal(without_rate).0, Outcome::SignalOfOtherLaw);
     }
 }
 
@@ -305,12 +304,17 @@ fn a_signal_of_another_law_is_accepted_in_idle_and_checked_by_arm() {
     let mut host = Host::<OtherLaws>::in_session();
     let n = Subscribe { signals: Host::<OtherLaws>::signal("n"), every: 1 };
     assert_eq!(host.command(n), (Outcome::Accepted, State::Idle));
-    let answers = host.send(Arm { session: SESSION });
-    let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
-        panic!("{answers:?}")
-    };
-    assert_eq!(log.text.as_str(), "n isn't a signal of many");
-    assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, State::Idle));
+    let refusal = host.refusal(Arm { session: SESSION });
+    assert_eq!(refusal, (Outcome::SignalOfOtherLaw, n.signals.trailing_zeros(), State::Idle));
     host.set("controller", ParameterValue::U32(1));
     assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
+}
+
+#[test]
+fn a_subscription_without_a_rate_does_not_keep_a_drive_from_arming() {
+    let mut host = Host::<OtherLaws>::in_session();
+    host.command(Subscribe { signals: Host::<OtherLaws>::signal("n"), every: 0 });
+    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
+    assert_eq!(host.command(Start { session: SESSION }), (Outcome::Accepted, State::Running));
+    assert_eq!(telemetry(&host.sample(0, 0, 0)), None);
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! 0 n bytes[n]                bytes on the line
-//! 1 k fields                  a host message in a valid frame, k modulo the number of kinds
+//! 1 k number fields           a host message in a valid frame, k modulo the number of kinds
 //! 2 motor load reference      the next sample of the run: moved counts (i16), reference (f32)
 //! 3 us                        device time elapses (u32)
 //! 4 n                         bytes lost by the hardware

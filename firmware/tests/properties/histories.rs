@@ -6,11 +6,11 @@ use std::time::Duration;
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
 use lashloop_firmware::law::{LawSet, Parameter};
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State};
 use lashloop_protocol::frame::MAX_BODY;
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start, Subscribe};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{HostMessage, Message};
 use proptest::collection::vec;
 use proptest::num::f32::ANY;
 use proptest::prelude::*;
@@ -25,14 +25,14 @@ const TABLE: &[Parameter] = Laws::PARAMETERS;
 
 fn request<P: Payload>(message: P) -> Action<'static> {
     let mut body = [0; MAX_BODY];
-    let body = &mut body[..P::LAYOUT.body_len];
-    message.put(body);
+    let body = &mut body[..message.body_len()];
+    message.put(1, body);
     Action::Body(body.iter().copied().collect())
 }
 
 /// The requests that lead from power-up to a state.
 fn way_to(state: State, parameters: Vec<Action<'static>>) -> Vec<Action<'static>> {
-    let hello = request(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+    let hello = request(Hello::new(SESSION));
     let (arm, start) = (request(Arm { session: SESSION }), request(Start { session: SESSION }));
     let to_running = || [vec![hello.clone()], parameters.clone(), vec![arm.clone(), start.clone()]].concat();
     match state {
@@ -40,7 +40,7 @@ fn way_to(state: State, parameters: Vec<Action<'static>>) -> Vec<Action<'static>
         State::Idle => vec![hello],
         State::Armed => [vec![hello], parameters, vec![arm]].concat(),
         State::Running => to_running(),
-        State::Faulted => [to_running(), vec![request(EmergencyStop {})]].concat(),
+        State::Faulted | State::Unknown(_) => [to_running(), vec![request(EmergencyStop {})]].concat(),
     }
 }
 
@@ -70,31 +70,52 @@ fn setting() -> impl Strategy<Value = Action<'static>> {
 
 /// Any index, type and value.
 fn wild_setting() -> impl Strategy<Value = Action<'static>> {
-    let value = prop_oneof![any::<u32>().prop_map(ParameterValue::U32), ANY.prop_map(ParameterValue::F32)];
+    let value = prop_oneof![
+        any::<u32>().prop_map(ParameterValue::U32),
+        ANY.prop_map(ParameterValue::F32),
+        (3..=u8::MAX, any::<[u8; 4]>()).prop_map(|(ty, bytes)| match ParameterType::from_byte(ty) {
+            Some(ParameterType::Unknown(ty)) => ParameterValue::Unknown { ty, bytes },
+            other => panic!("{other:?}"),
+        }),
+    ];
     (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| request(SetParameter { index, value }))
 }
 
-/// Any signals, of which half are known to every law of the drive.
+/// Any signals; half of them every law of the drive has, and some only one of them.
 fn subscription() -> impl Strategy<Value = Action<'static>> {
     let every_law = (1 << Laws::NAMES.len()) - 1;
     let common = (0..).zip(Laws::SIGNALS).filter(|(_, signal)| signal.laws == every_law);
     let common: u32 = common.map(|(index, _)| 1 << index).sum();
-    let signals = prop_oneof![any::<u32>().prop_map(move |bits| bits & common), any::<u32>()];
+    let known = (1 << Laws::SIGNALS.len()) - 1;
+    let signals = prop_oneof![
+        4 => any::<u32>().prop_map(move |bits| bits & common),
+        1 => any::<u32>().prop_map(move |bits| bits & known),
+        3 => any::<u32>(),
+    ];
     (signals, 0..5_u16).prop_map(|(signals, every)| request(Subscribe { signals, every }))
 }
 
+/// A message with any fields; some are of a newer version, and longer.
 fn host_body() -> impl Strategy<Value = Action<'static>> {
-    (select(HostMessage::LAYOUTS), vec(any::<u8>(), 64), any::<bool>()).prop_map(
-        |(layout, bytes, present)| {
+    let more = prop_oneof![3 => Just(0), 1 => 1..9_usize];
+    (select(HostMessage::LAYOUTS), vec(any::<u8>(), 64), any::<bool>(), more).prop_map(
+        |(layout, bytes, present, more)| {
             let fields = bytes[..layout.body_len - 1].iter();
             let mut body: action::Body = [&layout.kind].into_iter().chain(fields).copied().collect();
             if present && layout.fields.last().is_some_and(|field| field.name == "session") {
                 let at = body.len() - 4;
                 body[at..].copy_from_slice(&SESSION.to_le_bytes());
             }
+            body.extend(bytes[..more].iter().copied());
             Action::Body(body)
         },
     )
+}
+
+/// A request that this version doesn't know.
+fn newer_request() -> impl Strategy<Value = Action<'static>> {
+    (0x12..0x80_u8, vec(any::<u8>(), 0..9))
+        .prop_map(|(kind, rest)| Action::Body([kind].into_iter().chain(rest).collect()))
 }
 
 fn sample() -> impl Strategy<Value = Action<'static>> {
@@ -114,6 +135,7 @@ fn action() -> impl Strategy<Value = Action<'static>> {
         2 => setting(),
         1 => wild_setting(),
         1 => subscription(),
+        1 => newer_request(),
         1 => vec(any::<u8>(), 0..9).prop_map(|body| Action::Body(body.into_iter().collect())),
         1 => vec(any::<u8>(), 0..200).prop_map(|line| Action::Line(line.into())),
         3 => (0..2_000_u64).prop_map(|us| Action::Elapse(Duration::from_micros(us))),

@@ -6,13 +6,15 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_firmware::law::{DriveParameters, LawSet};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{
-    Arm, CommandResult, EmergencyStop, EncoderSample, FaultReport, Hello, ParameterReport, Reset, Start,
-    Subscribe, Telemetry,
+    Arm, EmergencyStop, EncoderSample, FaultReport, Hello, ParameterReport, Reset, Start, Subscribe,
+    Telemetry,
 };
-use lashloop_protocol::wire::Payload;
+use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Decoder, DriveMessage, EncoderCounts, HostMessage, MAX_FRAME, Message, PROTOCOL_VERSION, cobs, crc,
+    Decoder, DriveMessage, EncoderCounts, Frame, FrameError, HostMessage, MAX_FRAME, Message, Numbered,
+    PROTOCOL_VERSION, cobs, crc,
 };
 
 use crate::action::Action;
@@ -32,6 +34,8 @@ pub struct CheckedDrive<O = ()> {
     /// The latched fault.
     fault: Option<FaultReport>,
     next_sample: EncoderSample,
+    /// Number of the last request.
+    number: u8,
     /// What the history reached.
     pub observer: O,
 }
@@ -83,6 +87,7 @@ impl<O: Observer + Default> CheckedDrive<O> {
                 load_counts: EncoderCounts::default(),
                 reference_rad: 0.0,
             },
+            number: 0,
             observer: O::default(),
         }
     }
@@ -133,10 +138,14 @@ impl<O: Observer + Default> CheckedDrive<O> {
             let message = self.decoder.next::<HostMessage>(&mut taken);
             assert!(taken.is_empty(), "takes one frame at a time");
             assert_eq!(self.drive.counters(), self.decoder.counters());
-            let cause = match message {
-                Some(Ok(message)) => Cause::Request(message),
-                Some(Err(_)) | None => Cause::NoRequest,
+            let (number, cause) = match message {
+                Some(Ok(Numbered { number, message })) => (number, Cause::Request(message)),
+                Some(Err(FrameError::Body(BodyError::UnknownKind { kind, number }))) => {
+                    (number, Cause::UnknownRequest(kind))
+                }
+                Some(Err(_)) | None => (0, Cause::NoRequest),
             };
+            self.number = number;
             self.check(before, &cause);
         }
     }
@@ -166,11 +175,15 @@ impl<O: Observer + Default> CheckedDrive<O> {
             self.fault = None;
         }
         assert!(may_change(before, after, cause), "{before:?} became {after:?}, with {sent:?}");
-        if let Cause::Request(message) = cause {
-            assert!(!sent.is_empty(), "no answer to {message:?} in {before:?}");
-            self.note_request(message, after);
-            self.check_answers(message, before, after, &sent);
-            self.check_telemetry(message, &sent);
+        match cause {
+            Cause::Request(message) => {
+                assert!(!sent.is_empty(), "no answer to {message:?} in {before:?}");
+                self.note_request(message, after);
+                self.check_answers(message, before, after, &sent);
+                self.check_telemetry(message, &sent);
+            }
+            Cause::UnknownRequest(kind) => check_unknown(*kind, &sent),
+            Cause::NoRequest => {}
         }
         for message in &sent {
             self.check_message(message, after);
@@ -184,16 +197,23 @@ impl<O: Observer + Default> CheckedDrive<O> {
         self.observer.step(&Step { before, cause, after, sent: &sent, torque_nm });
     }
 
-    /// The unchecked part of the output, which must be whole frames.
+    /// The unchecked part of the output, which must be whole frames, with the number of the last request and the present time.
     fn take_new_output(&mut self) -> Sent {
         let output = self.drive.output();
         let mut new = &output[self.checked_bytes..];
         self.checked_bytes = output.len();
         let mut decoder = Decoder::new();
-        let sent =
+        let sent: heapless::Vec<Numbered<DriveMessage>, MOST_SENT> =
             std::iter::from_fn(|| decoder.next(&mut new)).map(|item| item.expect("a good frame")).collect();
         decoder.finish().expect("whole frames");
-        sent
+        for Numbered { number, message } in &sent {
+            let want = if has_number(message.layout().kind) { self.number } else { 0 };
+            assert_eq!(*number, want, "{message:?}");
+            if let Some(us) = device_time_us(message) {
+                assert_eq!(us, self.clock.now().as_micros() as u32, "the device time of {message:?}");
+            }
+        }
+        sent.into_iter().map(|it| it.message).collect()
     }
 
     fn note_request(&mut self, message: &HostMessage, after: State) {
@@ -268,11 +288,10 @@ impl<O: Observer + Default> CheckedDrive<O> {
                 self.fault.get_or_insert(*report);
             }
             DriveMessage::ParameterReport(report) => self.note_parameter(report),
-            DriveMessage::CommandResult(result) => {
-                let reset = CommandResult { request: Reset::LAYOUT.kind, outcome: Outcome::Accepted, state };
-                if *result == reset {
-                    self.torque_limit_nm = DriveParameters::default().torque_limit_nm;
-                }
+            DriveMessage::CommandResult(result)
+                if (result.request, result.outcome) == (Reset::LAYOUT.kind, Outcome::Accepted) =>
+            {
+                self.torque_limit_nm = DriveParameters::default().torque_limit_nm;
             }
             _ => {}
         }
@@ -313,9 +332,35 @@ fn in_range(value: ParameterValue, min: ParameterValue, max: ParameterValue) -> 
     }
 }
 
-/// Bitwise equality: a fault may carry NaN.
+/// The device time of a message in us, if it has the field. A drive that says that it has device time writes it into all of them.
+fn device_time_us(message: &DriveMessage) -> Option<u32> {
+    let field = match message {
+        DriveMessage::Identity(it) => it.device_time_us,
+        DriveMessage::ParameterReport(it) => it.device_time_us,
+        DriveMessage::LineReport(it) => it.device_time_us,
+        DriveMessage::CommandResult(it) => it.device_time_us,
+        DriveMessage::FaultReport(it) => it.device_time_us,
+        DriveMessage::Log(it) => it.device_time_us,
+        _ => return None,
+    };
+    Some(field.expect("a device time"))
+}
+
+/// An unknown request has one answer; what a host sends in every period has none.
+fn check_unknown(kind: u8, sent: &[DriveMessage]) {
+    match sent {
+        [] => assert!(!has_number(kind), "no answer to {kind:#04x}"),
+        [DriveMessage::CommandResult(it)] if has_number(kind) => {
+            assert_eq!((it.request, it.outcome, it.detail), (kind, Outcome::UnknownRequest, 0));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Bitwise equality but for the time of the report: a fault may carry NaN.
 fn same(a: &FaultReport, b: &FaultReport) -> bool {
-    DriveMessage::from(*a).frame()[..] == DriveMessage::from(*b).frame()[..]
+    let frame = |report: &FaultReport| Frame::of(&FaultReport { device_time_us: None, ..*report });
+    frame(a)[..] == frame(b)[..]
 }
 
 /// The session of [`Action::Enter`].
@@ -325,7 +370,7 @@ pub const SESSION: u32 = 7;
 fn way_to(state: State) -> &'static [HostMessage] {
     const WAY: &[HostMessage] = &[
         HostMessage::Reset(Reset {}),
-        HostMessage::Hello(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION }),
+        HostMessage::Hello(Hello::new(SESSION)),
         HostMessage::Arm(Arm { session: SESSION }),
         HostMessage::Start(Start { session: SESSION }),
         HostMessage::EmergencyStop(EmergencyStop {}),
@@ -335,7 +380,7 @@ fn way_to(state: State) -> &'static [HostMessage] {
         State::Idle => &WAY[..2],
         State::Armed => &WAY[..3],
         State::Running => &WAY[..4],
-        State::Faulted => WAY,
+        State::Faulted | State::Unknown(_) => WAY,
     }
 }
 

@@ -7,6 +7,8 @@ use lashloop_protocol::enums::State;
 pub enum Cause {
     /// A whole request.
     Request(HostMessage),
+    /// A whole request of a kind that the drive doesn't know.
+    UnknownRequest(u8),
     /// Device time, or bytes that aren't a message.
     NoRequest,
 }
@@ -19,6 +21,7 @@ pub fn may_change(before: State, after: State, cause: &Cause) -> bool {
         (_, Boot, Cause::Request(Message::Reset(_)))
         | (_, Faulted, Cause::Request(Message::EmergencyStop(_))) => true,
         (_, _, Cause::Request(Message::Reset(_) | Message::EmergencyStop(_))) => false,
+        (_, _, Cause::UnknownRequest(_)) => before == after,
         (Faulted, Idle | Boot, Cause::Request(Message::ClearFault(_))) => true,
         (Faulted, _, Cause::Request(Message::ClearFault(_))) => false,
         (Running, Faulted, Cause::NoRequest | Cause::Request(Message::EncoderSample(_))) => true,

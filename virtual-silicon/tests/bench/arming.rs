@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, Reset};
 
@@ -10,17 +9,6 @@ use crate::bench::image;
 use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
-
-/// The outcome of `Arm`, and the text of the log before it.
-fn refusal(host: &mut Host) -> (Outcome, String) {
-    let (outcome, state) = host.arm();
-    assert_eq!(state, State::Idle);
-    let logs = host.take(|message| match message {
-        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
-        _ => None,
-    });
-    (outcome, logs.concat())
-}
 
 fn assert_off(host: &mut Host) {
     host.bench.advance(3 * MS);
@@ -33,7 +21,8 @@ fn a_break_input_that_is_active_or_open_refuses_to_arm() {
     for level in [Some(true), None] {
         host.bench.act(move |chip, _| chip.drive_break(level));
         host.bench.advance(2 * MS);
-        assert_eq!(refusal(&mut host), (Outcome::PowerStageFault, "the break input is active".to_owned()));
+        // The break input.
+        assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 1));
         assert_off(&mut host);
     }
     host.bench.act(|chip, _| chip.drive_break(Some(false)));
@@ -49,8 +38,8 @@ fn an_encoder_faster_than_its_limit_refuses_to_arm() {
     host.bench.advance(3 * MS);
     host.bench.turn(0.0, 0.0);
     host.bench.advance(3 * MS);
-    let text = "load encoder: faster than its limit".to_owned();
-    assert_eq!(refusal(&mut host), (Outcome::EncoderImplausible, text));
+    // The load encoder, too fast.
+    assert_eq!(host.refusal_to_arm(), (Outcome::EncoderImplausible, 3));
     assert_off(&mut host);
     host.command(Reset {});
     host.shake_hands(SESSION);

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::Stop;
 use lashloop_silicon::wiring::{Encoder, Wiring};
@@ -80,12 +79,7 @@ fn the_fault_line_of_an_odrive_refuses_to_arm_and_stops_a_run_within_a_period() 
     let mut host = idle();
     host.bench.act(|chip, _| chip.drive_fault_line(false));
     host.bench.advance(Duration::from_millis(2));
-    assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
-    let logs = host.take(|message| match message {
-        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
-        _ => None,
-    });
-    assert_eq!(logs, ["the fault line is active"]);
+    assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 2), "the fault line");
     host.bench.act(|chip, _| chip.drive_fault_line(true));
     host.bench.advance(Duration::from_millis(2));
     host.run_under_torque();

@@ -5,9 +5,9 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
+use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
 use lashloop_protocol::message::{DescribeLaw, EmergencyStop, Hello, Reset, Stop};
-use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, UNDEFINED};
 use lashloop_silicon::wiring::Encoder;
@@ -256,7 +256,7 @@ pub const CAUSES: [Cause; 19] = [
     },
 ];
 
-const ANOTHER_SESSION: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION + 1 };
+const ANOTHER_SESSION: Hello = Hello::new(SESSION + 1);
 
 /// The cause of this name.
 pub fn cause(name: &str) -> &'static Cause {

@@ -7,7 +7,7 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, BenchSample, DescribeParameter, FaultReport, Hello, Identity, Reference, SetParameter, Start,
 };
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use lashloop_silicon::symbols::Symbols;
 
 use crate::bench::Bench;
@@ -121,8 +121,7 @@ impl Host {
     }
 
     pub fn shake_hands(&mut self, session: u32) -> Identity {
-        let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
-        self.exchange(hello, |message| match message {
+        self.exchange(Hello::new(session), |message| match message {
             DriveMessage::Identity(identity) => Some(*identity),
             _ => None,
         })
@@ -149,6 +148,17 @@ impl Host {
     pub fn command(&mut self, message: impl Into<HostMessage>) -> (Outcome, State) {
         self.exchange(message, |message| match message {
             DriveMessage::CommandResult(result) => Some((result.outcome, result.state)),
+            _ => None,
+        })
+    }
+
+    /// Outcome and detail of an `Arm` that the drive refuses.
+    pub fn refusal_to_arm(&mut self) -> (Outcome, u32) {
+        self.exchange(Arm { session: SESSION }, |message| match message {
+            DriveMessage::CommandResult(it) => {
+                assert_eq!(it.state, State::Idle);
+                Some((it.outcome, it.detail))
+            }
             _ => None,
         })
     }
@@ -230,7 +240,7 @@ impl Host {
         let mut rest = &bytes[..];
         while let Some(message) = self.decoder.next(&mut rest) {
             match message {
-                Ok(message) => self.inbox.push(message),
+                Ok(it) => self.inbox.push(it.message),
                 Err(error) => assert!(self.expects_cut_frame, "{error}"),
             }
         }

@@ -90,3 +90,29 @@ fn two_choices_of_one_name_are_refused() {
 const fn source(names: &'static [&'static str]) -> Parameter {
     Parameter::new("source", "", Range::Choice { default: 0, names })
 }
+
+/// `limit_nm` of the drive, `gain` of two laws, `rate` of the second one; the names that each law takes live.
+fn live(of_first: &'static [&'static str], of_second: &'static [&'static str]) -> [bool; 3] {
+    let rate = Parameter { name: "rate", ..GAIN };
+    let all = collect_parameters(&[&[LIMIT]], &[&[&[GAIN]], &[&[GAIN, rate]]]);
+    mark_live::<3>(all.exact(), 1, &[of_first, of_second]).map(|parameter| parameter.live)
+}
+
+#[test]
+fn a_parameter_is_live_if_every_law_that_has_it_takes_it_live() {
+    assert_eq!(live(&[], &[]), [false; 3]);
+    assert_eq!(live(&["gain"], &["rate"]), [false, false, true]);
+    assert_eq!(live(&["gain"], &["gain"]), [false, true, false]);
+}
+
+#[test]
+#[should_panic(expected = "limit_nm is a parameter of the drive itself, and a law takes it live")]
+fn a_parameter_of_the_drive_is_not_live() {
+    let _ = live(&["limit_nm"], &[]);
+}
+
+#[test]
+#[should_panic(expected = "rate is taken live by a law that doesn't have it")]
+fn a_law_takes_only_its_own_parameters_live() {
+    let _ = live(&["rate"], &[]);
+}

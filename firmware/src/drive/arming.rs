@@ -1,0 +1,81 @@
+//! From `Idle` to a run: what `Subscribe`, `Arm` and `Start` check.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::Subscribe;
+
+use super::control_loop::ControlLoop;
+use super::lifecycle::Lifecycle;
+use super::machine::Drive;
+use super::parameters::Parameters;
+use super::pin_run::PinRun;
+use super::pins::Pins;
+use super::refusal::Refusal;
+use super::run::Source;
+use super::subscription::Subscription;
+use crate::law::{LawSet, ParameterError};
+
+impl<L: LawSet> Drive<L> {
+    pub(super) fn subscribe(&mut self, request: &Subscribe) -> Result<(), Refusal> {
+        let state = self.state();
+        if matches!(state, State::Boot | State::Faulted) {
+            return Err(Outcome::WrongState.into());
+        }
+        let subscription = Subscription::requested(request, L::SIGNALS)?;
+        // In Idle the law may still change; arming checks it.
+        if state != State::Idle {
+            subscription.check(self.parameters.law(), L::SIGNALS)?;
+        }
+        self.subscription = subscription;
+        Ok(())
+    }
+
+    pub(super) fn arm(&mut self, session: u32) -> Result<(), Refusal> {
+        self.check_session(session)?;
+        if self.state() != State::Idle {
+            return Err(Outcome::WrongState.into());
+        }
+        if self.subscription.has_rate() {
+            self.subscription.check(self.parameters.law(), L::SIGNALS)?;
+        }
+        let control = self.control().map_err(|error| Parameters::<L>::inconsistent(&error))?;
+        self.check_pins()?;
+        self.lifecycle = Lifecycle::Armed { session, control };
+        Ok(())
+    }
+
+    fn control(&self) -> Result<ControlLoop<L>, ParameterError> {
+        let bench_mode = self.parameters.bench_mode();
+        if let Some(parameters) = &bench_mode {
+            parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
+        }
+        ControlLoop::new(&self.parameters, bench_mode.and(self.pins.as_ref()).map(Pins::hardware))
+    }
+
+    pub(super) fn start(&mut self, session: u32, now: Duration) -> Result<(), Refusal> {
+        self.check_session(session)?;
+        // What was plausible at `Arm` may no longer be.
+        if self.state() == State::Armed {
+            self.check_pins()?;
+        }
+        let drive = self.parameters.drive();
+        let source = match self.parameters.bench_mode() {
+            None => Source::Link { last_answer: None },
+            Some(parameters) => Source::Pins(PinRun::new(parameters, &drive, now)),
+        };
+        self.lifecycle.start(&drive, source, now)?;
+        self.begin_counts();
+        Ok(())
+    }
+
+    fn check_session(&self, session: u32) -> Result<(), Outcome> {
+        if self.lifecycle.session() == Some(session) { Ok(()) } else { Err(Outcome::WrongSession) }
+    }
+
+    /// Whether the pins allow torque; `Ok` in HIL mode.
+    fn check_pins(&self) -> Result<(), Refusal> {
+        let (Some(pins), Some(_)) = (&self.pins, self.parameters.bench_mode()) else { return Ok(()) };
+        pins.check(&self.parameters.drive())
+    }
+}
