@@ -11,6 +11,7 @@ use lashloop_protocol::wire::Payload;
 use crate::at_step::AtStep;
 use crate::client::Session;
 use crate::error::SessionError;
+use crate::refusal::Reply;
 
 /// What the drive sends of its own accord while it runs in bench mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,8 +41,7 @@ impl Session {
     /// The line broke, or the drive restarted.
     pub fn bench_report(&mut self, deadline: Instant) -> Result<Option<BenchReport>, SessionError> {
         let period = self.line.last_seen.sample_sent.unwrap_or(0);
-        let log_mark = self.line.logs.mark();
-        let report = self.line.wait(deadline, |message| match message {
+        let report = self.line.answer(0, deadline, |message| match message {
             DriveMessage::BenchSample(sample) => {
                 Some(Ok(BenchReport::Step(AtStep::near(period, sample.sequence, *sample))))
             }
@@ -49,17 +49,18 @@ impl Session {
                 Some(Ok(BenchReport::Faulted(AtStep::near(period, fault.sequence, *fault))))
             }
             DriveMessage::CommandResult(result) if result.request == Reference::LAYOUT.kind => {
-                Some(match (result.outcome, result.state) {
-                    (outcome, State::Boot) => Err((outcome, State::Boot)),
+                Some(match Reply::from(result) {
                     // The report of the watchdog follows it.
-                    (Outcome::WrongState, state) => Ok(BenchReport::Refused(state)),
-                    (outcome, state) => Err((outcome, state)),
+                    Reply { outcome: Outcome::WrongState, state, .. } if state != State::Boot => {
+                        Ok(BenchReport::Refused(state))
+                    }
+                    reply => Err(reply),
                 })
             }
             _ => None,
         })?;
         match report {
-            Some(Err((outcome, state))) => Err(self.refused::<Reference>(outcome, state, log_mark)),
+            Some(Err(reply)) => Err(self.refused::<Reference>(reply)),
             Some(Ok(report)) => Ok(Some(report)),
             None => Ok(None),
         }

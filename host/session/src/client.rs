@@ -40,11 +40,15 @@ pub struct Session {
     pub laws: Vec<Law>,
     /// The drive's parameters, in the order of their index.
     pub parameters: Vec<Parameter>,
+    /// Whether this session has reset the drive.
+    pub(crate) is_reset: bool,
     /// Values that were set since the last reset, by the index of the parameter.
     pub(crate) values_set: BTreeMap<u8, ParameterValue>,
     /// The drive's signals, in the order of their index.
     pub signals: Vec<DriveSignal>,
     pub(crate) subscription: Subscription,
+    /// Damaged frames received before the present run.
+    pub(crate) damaged_before: u32,
     /// Answers after their deadline.
     pub(crate) late: u64,
     /// Sequence number of the sample answered last.
@@ -82,9 +86,11 @@ impl Session {
             identity,
             laws,
             parameters,
+            is_reset: false,
             values_set: BTreeMap::new(),
             signals,
             subscription,
+            damaged_before: 0,
             late: 0,
             answered: None,
             timestamps,
@@ -95,6 +101,13 @@ impl Session {
     #[must_use]
     pub fn subscription(&self) -> &Subscription {
         &self.subscription
+    }
+
+    /// What is missing of the telemetry of the present run, as a sentence; `None` if damaged frames explain it.
+    #[must_use]
+    pub fn telemetry_warning(&self) -> Option<String> {
+        let damaged = self.line.decoder.counters().damaged() - self.damaged_before;
+        self.line.telemetry_count.warning(damaged.into())
     }
 
     /// The frame counts.

@@ -11,8 +11,10 @@ use crate::client::Session;
 use crate::error::SessionError;
 use crate::handshake::shake_hands;
 use crate::patience::Patience;
+use crate::refusal::Reply;
 use crate::request::Answered;
 use crate::signals::Subscription;
+use crate::telemetry_count::TelemetryCount;
 
 /// Timeouts of the attempts to start a drive, in their order. A slow line needs the longer ones.
 const START_LIMITS: [Duration; 3] =
@@ -26,11 +28,13 @@ impl Session {
     /// The drive is silent, or the line broke.
     pub fn reset(&mut self) -> Result<(), SessionError> {
         if let Some(fault) = self.line.fault.take() {
-            self.line.logs.note(format!("the reset cleared a latched fault: {:?}", fault.code));
+            let name = self.line.name_of(fault.code);
+            self.line.logs.note(format!("the reset cleared a latched fault: {name}"));
         }
         self.command(Reset {}, State::Boot)?;
         self.forget_run();
         self.values_set.clear();
+        self.is_reset = true;
         self.subscription = Subscription::default();
         self.number = self.number.wrapping_add(1);
         self.identity = shake_hands(&mut self.line, self.number)?;
@@ -60,6 +64,8 @@ impl Session {
     /// Messages from here on belong to another run or to none.
     fn forget_run(&mut self) {
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
+        self.damaged_before = self.line.decoder.counters().damaged();
+        self.line.telemetry_count = TelemetryCount { every: self.subscription.every, ..Default::default() };
         self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
     }
@@ -69,10 +75,9 @@ impl Session {
         let mut silent = None;
         for limit in START_LIMITS {
             self.command(Arm { session }, State::Armed)?;
-            let log_mark = self.line.logs.mark();
             match self.line.attempt(&Start { session }.into(), limit, result_of::<Start>)? {
-                Some((Outcome::Accepted, _)) => return Ok(()),
-                Some((outcome, state)) => return Err(self.refused::<Start>(outcome, state, log_mark)),
+                Some(Reply { outcome: Outcome::Accepted, .. }) => return Ok(()),
+                Some(reply) => return Err(self.refused::<Start>(reply)),
                 // The drive may have started, and its watchdog is then about to trip: a late start is of no use.
                 None => {
                     silent = Some(self.line.silent(Start::LAYOUT.name, START_LIMITS.iter().sum()));
@@ -88,11 +93,10 @@ impl Session {
     /// # Errors
     /// The drive rejected the command or is silent, or the line broke.
     pub fn disarm(&mut self) -> Result<(), SessionError> {
-        let log_mark = self.line.logs.mark();
         match self.result(Stop {})?.with {
-            (Outcome::Accepted, _) => Ok(()),
-            (_, State::Faulted) => self.command(ClearFault {}, State::Idle),
-            (outcome, state) => Err(self.refused::<Stop>(outcome, state, log_mark)),
+            Reply { outcome: Outcome::Accepted, .. } => Ok(()),
+            Reply { state: State::Faulted, .. } => self.command(ClearFault {}, State::Idle),
+            reply => Err(self.refused::<Stop>(reply)),
         }
     }
 
@@ -101,15 +105,14 @@ impl Session {
     /// # Errors
     /// The drive is silent, or the line broke.
     pub fn stop(&mut self) -> Result<(), SessionError> {
-        let log_mark = self.line.logs.mark();
-        let mut answer = self.result(Stop {})?.with;
-        if self.line.report.is_none() && answer.0 == Outcome::Accepted {
+        let mut reply = self.result(Stop {})?.with;
+        if self.line.report.is_none() && reply.outcome == Outcome::Accepted {
             // The report precedes the answer. A partial frame has swallowed it, so we request it again.
-            answer = self.result(Stop {})?.with;
+            reply = self.result(Stop {})?.with;
         }
-        match answer {
-            (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
-            (outcome, state) => Err(self.refused::<Stop>(outcome, state, log_mark)),
+        match reply {
+            Reply { outcome: Outcome::Accepted, .. } | Reply { state: State::Faulted, .. } => Ok(()),
+            reply => Err(self.refused::<Stop>(reply)),
         }
     }
 
@@ -118,10 +121,9 @@ impl Session {
     /// # Errors
     /// The drive has no boot loader, rejected the request for another reason or is silent, or the line broke.
     pub fn enter_loader(&mut self) -> Result<(), SessionError> {
-        let log_mark = self.line.logs.mark();
         match self.result(EnterLoader { session: self.number })?.with {
-            (Outcome::Accepted, _) => Ok(()),
-            (outcome, state) => Err(self.refused::<EnterLoader>(outcome, state, log_mark)),
+            Reply { outcome: Outcome::Accepted, .. } => Ok(()),
+            reply => Err(self.refused::<EnterLoader>(reply)),
         }
     }
 
@@ -137,13 +139,12 @@ impl Session {
         command: C,
         afterwards: State,
     ) -> Result<(), SessionError> {
-        let log_mark = self.line.logs.mark();
         let Answered { with, repeated } = self.result(command)?;
         match with {
-            (Outcome::Accepted, _) => Ok(()),
+            Reply { outcome: Outcome::Accepted, .. } => Ok(()),
             // An earlier copy was accepted and its answer was lost.
-            (Outcome::WrongState, state) if repeated && state == afterwards => Ok(()),
-            (outcome, state) => Err(self.refused::<C>(outcome, state, log_mark)),
+            Reply { outcome: Outcome::WrongState, state, .. } if repeated && state == afterwards => Ok(()),
+            reply => Err(self.refused::<C>(reply)),
         }
     }
 
@@ -151,34 +152,20 @@ impl Session {
     pub(crate) fn result<C: Payload + Into<HostMessage>>(
         &mut self,
         command: C,
-    ) -> Result<Answered<(Outcome, State)>, SessionError> {
+    ) -> Result<Answered<Reply>, SessionError> {
         self.line.request(&command.into(), result_of::<C>)
     }
 
-    /// The error for a rejected request, with the drive's log since `log_mark`.
-    pub(crate) fn refused<Request: Payload>(
-        &self,
-        outcome: Outcome,
-        state: State,
-        log_mark: u64,
-    ) -> SessionError {
-        let log = self.line.logs.since(log_mark).join("; ");
-        SessionError::Refused {
-            request: Request::LAYOUT.name,
-            outcome,
-            state,
-            log,
-            last_seen: self.line.last_seen,
-        }
+    /// The error for a refused request.
+    pub(crate) fn refused<Request: Payload>(&mut self, reply: Reply) -> SessionError {
+        self.line.refused(Request::LAYOUT.name, reply, &self.parameters, &self.signals)
     }
 }
 
 /// The result of a command, if `message` is one.
-fn result_of<C: Payload>(message: &DriveMessage) -> Option<(Outcome, State)> {
+fn result_of<C: Payload>(message: &DriveMessage) -> Option<Reply> {
     match message {
-        DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
-            Some((result.outcome, result.state))
-        }
+        DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => Some(result.into()),
         _ => None,
     }
 }

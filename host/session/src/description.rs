@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use lashloop_plant::Signal;
-use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
-use lashloop_protocol::limits::{MAX_LAWS, MAX_SIGNALS};
+use lashloop_protocol::enums::{ParameterFlags, ParameterValue};
+use lashloop_protocol::limits::{MAX_LAWS, MAX_PARAMETERS, MAX_SIGNALS};
 use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
@@ -13,6 +13,7 @@ use crate::error::SessionError;
 use crate::laws::{Law, LawMask};
 use crate::line::Line;
 use crate::parameters::{Choice, Parameter};
+use crate::refusal::Reply;
 use crate::signals::DriveSignal;
 use crate::text::printable;
 
@@ -31,8 +32,8 @@ impl Description {
     /// Requests everything that `identity` announces.
     ///
     /// # Errors
-    /// The drive is silent, announces impossible numbers of laws or signals, rejects an index that it announced or describes
-    /// impossible choices, or the line broke.
+    /// The drive is silent, announces impossible numbers of laws, signals or parameters, rejects an index that it announced or
+    /// describes impossible choices, or the line broke.
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
         if let Some(defect) = impossible_counts(identity).next() {
             return Err(defect);
@@ -64,7 +65,7 @@ impl Description {
         let law_count = identity.law_count;
         let laws = 0..law_count.min(MAX_LAWS as u8);
         let laws = list(laws, defects, |index, _| law(line, index))?;
-        let parameters = 0..identity.parameter_count;
+        let parameters = 0..identity.parameter_count.min(MAX_PARAMETERS as u8);
         let parameters =
             list(parameters, defects, |index, defects| parameter(line, index, law_count, defects))?;
         let signals = 0..identity.signal_count.min(MAX_SIGNALS as u8);
@@ -77,6 +78,7 @@ fn impossible_counts(identity: &Identity) -> impl Iterator<Item = SessionError> 
     let counts = [
         ("law_count", identity.law_count, 1..=MAX_LAWS),
         ("signal_count", identity.signal_count, 0..=MAX_SIGNALS),
+        ("parameter_count", identity.parameter_count, 0..=MAX_PARAMETERS),
     ];
     counts.into_iter().filter(|(_, count, allowed)| !allowed.contains(&usize::from(*count))).map(
         |(field, count, allowed)| SessionError::Count {
@@ -139,9 +141,7 @@ fn parameter(
             Some(Ok((it.flags, parameter)))
         }
         // The answer to an index that the drive does not have; it describes every other.
-        DriveMessage::ParameterReport(it) if it.index == index && it.outcome != Outcome::Accepted => {
-            Some(Err((it.outcome, it.state)))
-        }
+        DriveMessage::ParameterReport(it) if it.index == index => Some(Err(it.into())),
         _ => None,
     })?;
     if flags.contains(ParameterFlags::CHOICES) {
@@ -157,7 +157,7 @@ fn parameter(
 fn choice_values(parameter: &Parameter) -> Result<RangeInclusive<u8>, SessionError> {
     let byte = |value| match value {
         ParameterValue::U32(value) => u8::try_from(value).ok(),
-        ParameterValue::F32(_) => None,
+        ParameterValue::F32(_) | ParameterValue::Unknown { .. } => None,
     };
     match (byte(parameter.min), byte(parameter.max)) {
         (Some(min), Some(max)) if min <= max => Ok(min..=max),
@@ -192,28 +192,18 @@ fn signal(line: &mut Line, index: u8, law_count: u8) -> Result<DriveSignal, Sess
     })
 }
 
-/// Outcome of a rejected request and the drive's state.
-type Rejection = (Outcome, State);
-
 /// Sends a request until the drive has answered it with a description or rejected it, by a `CommandResult` or by an answer
 /// that `answer_of` recognises.
 fn described<R: Payload + Into<HostMessage>, T>(
     line: &mut Line,
     request: R,
-    answer_of: impl Fn(&DriveMessage) -> Option<Result<T, Rejection>>,
+    answer_of: impl Fn(&DriveMessage) -> Option<Result<T, Reply>>,
 ) -> Result<T, SessionError> {
-    let log_mark = line.logs.mark();
     let answered = line.request(&request.into(), |answer| match answer {
-        DriveMessage::CommandResult(it) if it.request == R::LAYOUT.kind => Some(Err((it.outcome, it.state))),
+        DriveMessage::CommandResult(it) if it.request == R::LAYOUT.kind => Some(Err(it.into())),
         answer => answer_of(answer),
     })?;
-    answered.with.map_err(|(outcome, state)| SessionError::Refused {
-        request: R::LAYOUT.name,
-        outcome,
-        state,
-        log: line.logs.since(log_mark).join("; "),
-        last_seen: line.last_seen,
-    })
+    answered.with.map_err(|reply| line.refused(R::LAYOUT.name, reply, &[], &[]))
 }
 
 #[cfg(test)]

@@ -132,20 +132,22 @@ pub enum SessionError {
         drive: u8,
     },
     /// The drive rejected a request.
-    #[error("the drive refused {request} in state {state:?}: {outcome:?}{} ({last_seen})", quoted(log))]
+    #[error("the drive refused {request} in state {state}: {cause} ({last_seen})")]
     Refused {
         /// Name of the request.
         request: &'static str,
-        /// Why.
+        /// The drive's answer.
         outcome: Outcome,
         /// State of the drive.
         state: State,
-        /// The drive's log texts since the request; empty if it sent none.
-        log: String,
+        /// Further detail, as defined by the outcome.
+        detail: u32,
+        /// Why: the outcome with its detail in words, such as `SignalOfOtherLaw: signal twist_rad`.
+        cause: String,
         /// How far the session got.
         last_seen: LastSeen,
     },
-    /// A number of laws or signals that no drive can have.
+    /// A number of laws, signals or parameters that no drive can have.
     #[error(
         "the drive's Identity has {field} {count}, allowed are {least} to {most}: correct the firmware's Identity"
     )]
@@ -161,7 +163,7 @@ pub enum SessionError {
     },
     /// A parameter whose choices can't be requested.
     #[error(
-        "the drive describes choices of {parameter} from {min} to {max} ({:?} to {:?}); choices are U32 from 0 to 255: \
+        "the drive describes choices of {parameter} from {min} to {max} ({} to {}); choices are U32 from 0 to 255: \
          correct the firmware's description of it",
         min.ty(),
         max.ty()
@@ -187,10 +189,6 @@ fn unanswered(diagnosis: &Diagnosis, waiting_for: &str, limit: Duration) -> Stri
 
 fn before(diagnosis: Option<&Diagnosis>) -> String {
     diagnosis.map_or_else(String::new, |diagnosis| format!("; before that {diagnosis}"))
-}
-
-pub(crate) fn quoted(log: &str) -> String {
-    if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
 
 impl SessionError {

@@ -67,10 +67,9 @@ impl Session {
         self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
         self.timestamps.sent = self.line.timestamp();
         self.line.last_seen.sample_sent = Some(step);
-        let log_mark = self.line.logs.mark();
         let answered = self.answered;
         let mut late = 0;
-        let answer = self.line.wait(deadline, |message| match message {
+        let answer = self.line.answer(0, deadline, |message| match message {
             DriveMessage::TorqueAnswer(answer) if !passes(answer) => Some(Ok(Exchange::Rejected)),
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
                 Some(Ok(Exchange::Answered(*answer)))
@@ -91,7 +90,7 @@ impl Session {
                 None
             }
             DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
-                Some(Err((result.outcome, result.state)))
+                Some(Err(result.into()))
             }
             _ => None,
         })?;
@@ -105,7 +104,7 @@ impl Session {
                 }
                 Ok(exchange)
             }
-            Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, log_mark)),
+            Some(Err(reply)) => Err(self.refused::<EncoderSample>(reply)),
             None => Ok(Exchange::Unanswered),
         }
     }
@@ -122,7 +121,7 @@ impl Session {
     ) -> Result<Option<Exchange>, SessionError> {
         let (answered, mut late) = (self.answered, 0);
         let now = self.line.now();
-        let end = self.line.wait(now, |message| match message {
+        let end = self.line.answer(0, now, |message| match message {
             DriveMessage::FaultReport(_) => Some(None),
             DriveMessage::TorqueAnswer(answer) if !passes(answer) => Some(Some(Exchange::Rejected)),
             DriveMessage::TorqueAnswer(answer) => {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::message::{Hello, Identity};
-use lashloop_protocol::{DriveMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, Numbered, PROTOCOL_VERSION};
 
 use crate::error::SessionError;
 use crate::line::Line;
@@ -14,23 +14,27 @@ const LIMIT: Duration = Duration::from_millis(2500);
 /// Time between two attempts.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Repeats `Hello` until the drive has sent its identity for `session`.
+/// Repeats `Hello`, with one number, until the drive has sent its identity for `session`.
 ///
 /// # Errors
 /// The drive stays silent, has another protocol version, or the line broke.
 pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
-    let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
+    let hello = Numbered { number: line.next_number(), message: Hello::new(session).into() };
     let mut left = line.patience.within(LIMIT);
     while !left.is_zero() {
-        line.send(&hello.into())?;
+        line.send_numbered(&hello)?;
         tracing::debug!(session, "Hello sent");
         let sent = line.now();
-        let identity = line.wait(sent + INTERVAL, |message| match message {
+        let identity = line.wait_numbered(sent + INTERVAL, |answer| match answer.message {
             DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
                 Some(Err(SessionError::Version { drive: identity.protocol_version }))
             }
             // The identity of another session answered an earlier host and is still on the line.
-            DriveMessage::Identity(identity) if identity.session == session => Some(Ok(*identity)),
+            DriveMessage::Identity(identity)
+                if (answer.number, identity.session) == (hello.number, session) =>
+            {
+                Some(Ok(identity))
+            }
             _ => None,
         })?;
         // A bench that stood still has not waited for the drive.

@@ -7,13 +7,18 @@
 //! | `exchange` | a sample for a torque: [`Exchange`] |
 //! | `bench_reports` | bench mode: a reference, and the reports of the drive's own steps: [`BenchReport`] |
 //! | `parameter_access` | a parameter by its name |
+//! | `oddities` | what contradicts itself in a drive's description |
 //! | `subscribe` | the signals that telemetry carries |
 //! | [`description`] | the drive's description of itself, read |
 //! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
+//! | `refusal` | why a drive refuses a request, in words |
+//! | `own_names` | the drive's own names of values that this bench doesn't know |
 //! | `patience` | the time for all requests together |
 //! | [`handshake`] | `Hello` and `Identity` |
 //! | [`mod@line`] | messages on a link |
+//! | `device_clock` | the clock of a drive on the host's time |
+//! | `telemetry_count` | telemetry that is due, received and refused: [`TelemetryCount`] |
 //! | [`diagnosis`] | what arrives instead of an answer |
 //! | [`logs`] | texts of a drive, kept |
 //! | `text` | text of a drive, made fit for a terminal |
@@ -30,6 +35,7 @@ mod bench_reports;
 mod client;
 mod commands;
 pub mod description;
+mod device_clock;
 pub mod diagnosis;
 mod error;
 mod exchange;
@@ -38,12 +44,16 @@ pub mod laws;
 pub mod line;
 pub mod logs;
 pub mod names;
+mod oddities;
+mod own_names;
 mod parameter_access;
 pub mod parameters;
 mod patience;
+mod refusal;
 pub mod request;
 pub mod signals;
 mod subscribe;
+mod telemetry_count;
 mod text;
 mod timestamps;
 
@@ -56,9 +66,12 @@ pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
 pub use laws::{Law, LawMask};
 pub use logs::LogEntry;
+pub use own_names::ListedValue;
 pub use parameters::{Choice, Parameter, SetError, WrittenValue};
 pub use patience::PATIENCE;
+pub use refusal::Reply;
 pub use signals::{DriveSignal, Subscription};
 pub use subscribe::SubscribeError;
+pub use telemetry_count::TelemetryCount;
 pub use text::printable;
 pub use timestamps::Timestamps;

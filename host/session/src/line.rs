@@ -5,40 +5,46 @@ use std::time::{Duration, Instant};
 
 use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
-use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, Numbered};
 
 use crate::at_step::AtStep;
+use crate::device_clock::{DeviceClock, device_time_us};
 use crate::diagnosis::{Collector, Diagnosis};
 use crate::error::{LastSeen, SessionError};
 use crate::logs::Logs;
 use crate::patience::{PATIENCE, Patience};
+use crate::telemetry_count::TelemetryCount;
 
 /// A link with a decoder at its end.
 pub struct Line {
     link: Box<dyn Link>,
     /// Decoder of the received bytes, with its counters.
     pub decoder: Decoder,
-    /// Frames of a kind that only a later version may have.
-    pub later_kinds: u32,
     outbox: [u8; MAX_FRAME],
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
     unread: Range<usize>,
     /// Number of the present session; 0 before the first handshake.
     pub session: u32,
+    /// Number of the last request; 0 before the first.
+    number: u8,
     /// Frames sent since the line was opened.
     pub frames_sent: u64,
     /// Progress of the session, for error messages.
     pub last_seen: LastSeen,
     /// The latest telemetry.
     pub telemetry: Option<AtStep<Telemetry>>,
+    /// The telemetry of the present run.
+    pub telemetry_count: TelemetryCount,
     /// The latest fault report.
     pub fault: Option<AtStep<FaultReport>>,
+    /// When the drive formed that report, in the link's time; `None` without a device time in it.
+    pub fault_at: Option<Instant>,
     /// The latest line report.
     pub report: Option<LineReport>,
     /// The latest texts of the drive, and notes about it.
     pub logs: Logs,
+    clock: DeviceClock,
     collector: Collector,
     pub(crate) patience: Patience,
     time_base: TimeBase,
@@ -53,17 +59,20 @@ impl Line {
         Self {
             link,
             decoder: Decoder::new(),
-            later_kinds: 0,
             outbox: [0; MAX_FRAME],
             inbox: Box::new([0; 4096]),
             unread: 0..0,
             session: 0,
+            number: 0,
             frames_sent: 0,
             last_seen: LastSeen::default(),
             telemetry: None,
+            telemetry_count: TelemetryCount::default(),
             fault: None,
+            fault_at: None,
             report: None,
             logs: Logs::default(),
+            clock: DeviceClock::default(),
             collector: Collector::default(),
             patience: Patience::default(),
             time_base: TimeBase::WallClock,
@@ -80,6 +89,8 @@ impl Line {
         self.decoder.forget_partial();
         self.collector.clear();
         self.patience = Patience::default();
+        // Another drive may be there, or the same after a loss of power.
+        self.clock = DeviceClock::default();
         self.link.discard_input().map_err(|error| self.broken(error))?;
         self.end_frame()
     }
@@ -92,14 +103,33 @@ impl Line {
         self.send_bytes(&[lashloop_protocol::frame::DELIMITER])
     }
 
-    /// Sends a message.
+    /// The number of the next request: 1 to 255 in turn.
+    pub fn next_number(&mut self) -> u8 {
+        self.number = self.number % u8::MAX + 1;
+        self.number
+    }
+
+    /// Sends a request with a number of its own, or a sample.
     ///
     /// # Errors
     /// The line broke.
     pub fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
+        let number = if message.layout().has_number() { self.next_number() } else { 0 };
+        self.send_numbered(&Numbered { number, message: *message })
+    }
+
+    /// Sends a message with this number.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn send_numbered(&mut self, message: &Numbered<HostMessage>) -> Result<(), SessionError> {
         self.frames_sent += 1;
         self.collector.sent(message);
-        let sent = self.link.send(message.write_frame(&mut self.outbox));
+        if message.number != 0 {
+            let now = self.link.now();
+            self.clock.ask(message.number, now);
+        }
+        let sent = self.link.send(message.message.write_numbered(message.number, &mut self.outbox));
         sent.map_err(|error| self.broken(error))
     }
 
@@ -112,8 +142,7 @@ impl Line {
         self.link.send(bytes).map_err(|error| self.broken(error))
     }
 
-    /// Waits for the message that `wanted` recognises; `None` at the deadline, even if messages keep arriving. Messages that
-    /// have arrived are read even after the deadline: a bench that overslept must not report a silent drive.
+    /// As [`Self::wait_numbered`], for a caller to whom the numbers of answers mean nothing.
     ///
     /// # Errors
     /// The line broke.
@@ -122,11 +151,41 @@ impl Line {
         deadline: Instant,
         mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, SessionError> {
+        self.wait_numbered(deadline, |it| wanted(&it.message))
+    }
+
+    /// As [`Self::wait_numbered`], for the answer to the request of this number, or to a sample with number 0. What a drive
+    /// sends unasked passes too; an answer of another number is late and passes not.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn answer<T>(
+        &mut self,
+        number: u8,
+        deadline: Instant,
+        mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
+    ) -> Result<Option<T>, SessionError> {
+        self.wait_numbered(deadline, |it| {
+            let is_late = it.number != number && it.message.layout().has_number();
+            if is_late { None } else { wanted(&it.message) }
+        })
+    }
+
+    /// Waits for the message that `wanted` recognises; `None` at the deadline, even if messages keep arriving. Messages that
+    /// have arrived are read even after the deadline: a bench that overslept must not report a silent drive.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn wait_numbered<T>(
+        &mut self,
+        deadline: Instant,
+        mut wanted: impl FnMut(&Numbered<DriveMessage>) -> Option<T>,
+    ) -> Result<Option<T>, SessionError> {
         let mut last_look = false;
         loop {
             while let Some(message) = self.decoded() {
                 if let Some(answer) = wanted(&message) {
-                    self.collector.awaited();
+                    self.collector.awaited(self.unread.len());
                     return Ok(Some(answer));
                 }
                 self.collector.other(&message);
@@ -174,6 +233,8 @@ impl Line {
     pub fn set_time_base(&mut self, time_base: TimeBase) {
         self.time_base = time_base;
         self.link.set_time_base(time_base);
+        // The link's time may have moved.
+        self.clock = DeviceClock::default();
     }
 
     /// The present time for measurements: of the wall clock, unless time is scripted.
@@ -190,7 +251,7 @@ impl Line {
     }
 
     /// Decodes the next good message of the bytes received. Telemetry, reports and logs are kept on the way.
-    fn decoded(&mut self) -> Option<DriveMessage> {
+    fn decoded(&mut self) -> Option<Numbered<DriveMessage>> {
         loop {
             let mut bytes = &self.inbox[self.unread.clone()];
             let decoded = self.decoder.next::<DriveMessage>(&mut bytes);
@@ -203,9 +264,7 @@ impl Line {
                     return Some(message);
                 }
                 Some(Err(error)) => {
-                    if matches!(error, FrameError::Body(BodyError::UnknownKind { kind: 0x81.. })) {
-                        self.later_kinds = self.later_kinds.saturating_add(1);
-                    }
+                    self.telemetry_count.note_bad(&error);
                     self.collector.bad(&self.inbox[consumed], &error);
                 }
                 None => {
@@ -227,7 +286,7 @@ impl Line {
         SessionError::Silent { waiting_for, limit, last_seen, diagnosis: Box::new(self.diagnosis()) }
     }
 
-    /// What arrived since the last message that a [`Line::wait`] returned, and its probable cause.
+    /// What arrived since the last message that a wait returned, and its probable cause.
     #[must_use]
     pub fn diagnosis(&self) -> Diagnosis {
         self.collector.diagnosis()
@@ -245,15 +304,29 @@ impl Line {
         SessionError::Broken { source, last_seen: self.last_seen, diagnosis }
     }
 
-    fn note(&mut self, message: &DriveMessage) {
+    fn note(&mut self, Numbered { number, message }: &Numbered<DriveMessage>) {
         self.last_seen.note(message);
+        self.telemetry_count.note(message);
+        let formed_at = self.formed_at(*number, message);
         let step = self.last_seen.sample_sent.unwrap_or(0);
         match message {
             DriveMessage::Telemetry(it) => self.telemetry = Some(AtStep::near(step, it.sequence, *it)),
-            DriveMessage::FaultReport(it) => self.fault = Some(AtStep::near(step, it.sequence, *it)),
-            DriveMessage::LineReport(report) => self.report = Some(*report),
-            DriveMessage::Log(log) => self.logs.receive(*log),
+            DriveMessage::FaultReport(it) => {
+                self.fault = Some(AtStep::near(step, it.sequence, *it));
+                self.fault_at = formed_at;
+            }
+            // That of an earlier stop is late.
+            DriveMessage::LineReport(report) if *number == self.number => self.report = Some(*report),
+            DriveMessage::Log(log) => self.logs.receive(*log, formed_at),
             _ => {}
         }
+    }
+
+    /// When the drive formed a message that has just been read, in the link's time.
+    fn formed_at(&mut self, number: u8, message: &DriveMessage) -> Option<Instant> {
+        let device_us = device_time_us(message)?;
+        let now = self.link.now();
+        self.clock.hear(number, device_us, now);
+        self.clock.time_of(device_us, now)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fmt;
+use std::time::Instant;
 
 use lashloop_protocol::message::Log;
 
@@ -23,7 +24,12 @@ pub struct Logs {
 #[derive(Debug, Clone, PartialEq)]
 pub enum LogEntry {
     /// A message of the drive.
-    Received(Log),
+    Received {
+        /// The message.
+        log: Log,
+        /// When the drive formed it, in the link's time; `None` without a device time in it.
+        formed_at: Option<Instant>,
+    },
     /// A remark of the bench.
     Note(String),
 }
@@ -36,8 +42,8 @@ impl Default for Logs {
 
 impl Logs {
     /// Keeps a log message of the drive.
-    pub fn receive(&mut self, log: Log) {
-        self.push(LogEntry::Received(log));
+    pub fn receive(&mut self, log: Log, formed_at: Option<Instant>) {
+        self.push(LogEntry::Received { log, formed_at });
     }
 
     /// Keeps a remark of the bench about the drive.
@@ -51,18 +57,6 @@ impl Logs {
         }
         self.entries.push_back(entry);
         self.count += 1;
-    }
-
-    /// The position of the next text, for [`Self::since`].
-    pub fn mark(&self) -> u64 {
-        self.count
-    }
-
-    /// The texts after a mark that are still kept.
-    pub fn since(&self, mark: u64) -> Vec<String> {
-        let new = usize::try_from(self.count - mark).unwrap_or(CAPACITY);
-        let old = self.entries.len().saturating_sub(new);
-        self.entries.iter().skip(old).map(ToString::to_string).collect()
     }
 
     /// Removes and returns all texts.
@@ -85,7 +79,7 @@ impl Logs {
 impl fmt::Display for LogEntry {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Received(log) => write!(out, "{:?}: {}", log.level, printable(log.text.as_str())),
+            Self::Received { log, .. } => write!(out, "{}: {}", log.level, printable(log.text.as_str())),
             Self::Note(text) => out.write_str(text),
         }
     }
@@ -96,16 +90,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_latest_texts_are_kept_and_a_mark_stays_good() {
+    fn the_latest_texts_are_kept() {
         let mut logs = Logs::default();
-        (0..CAPACITY).for_each(|i| logs.note(i.to_string()));
-        let mark = logs.mark();
-        logs.note("one".to_owned());
-        logs.note("two".to_owned());
-        assert_eq!(logs.since(mark), ["one", "two"]);
+        (0..CAPACITY + 2).for_each(|i| logs.note(i.to_string()));
         let all = logs.take();
         assert_eq!((all.len(), all[0].as_str()), (CAPACITY, "2"));
-        assert!(logs.since(mark).is_empty());
+        assert!(logs.take().is_empty());
     }
 
     #[test]

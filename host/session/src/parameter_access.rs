@@ -2,7 +2,7 @@
 
 use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::{GetParameter, ParameterReport, SetParameter};
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use crate::client::Session;
 use crate::error::SessionError;
@@ -35,7 +35,12 @@ impl Session {
             self.values_set.insert(index, value);
             Ok(())
         } else {
-            Err(SetError::Refused { outcome: report.outcome, in_force: report.value })
+            let (outcome, in_force) = (report.outcome, report.value);
+            let cause = match outcome {
+                Outcome::Accepted => outcome.to_string(),
+                _ => self.line.cause_of((&report).into(), &self.parameters, &self.signals),
+            };
+            Err(SetError::Refused { outcome, in_force, cause })
         }
     }
 
@@ -63,10 +68,12 @@ impl Session {
     }
 
     fn report_of(&mut self, index: u8, request: &HostMessage) -> Result<ParameterReport, SessionError> {
+        let layout = request.layout();
         let reported = self.line.request(request, |answer| match answer {
-            DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
+            DriveMessage::ParameterReport(report) if report.index == index => Some(Ok(*report)),
+            DriveMessage::CommandResult(it) if it.request == layout.kind => Some(Err(it.into())),
             _ => None,
-        });
-        reported.map(|answered| answered.with)
+        })?;
+        reported.with.map_err(|reply| self.line.refused(layout.name, reply, &self.parameters, &self.signals))
     }
 }

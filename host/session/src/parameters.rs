@@ -134,10 +134,12 @@ pub enum SetError {
         range: String,
     },
     /// The drive rejected the value or reads back another.
-    #[error("the drive answered {outcome:?} and has {in_force} in force")]
+    #[error("the drive answered {cause} and has {in_force} in force")]
     Refused {
         /// The drive's answer.
         outcome: Outcome,
+        /// The same in words.
+        cause: String,
         /// The value in force.
         in_force: ParameterValue,
     },

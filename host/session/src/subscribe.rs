@@ -4,19 +4,19 @@ use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::message::Subscribe;
 
 use crate::client::Session;
-use crate::error::{SessionError, quoted};
+use crate::error::SessionError;
 use crate::signals::{DriveSignal, Subscription};
 
 /// Why a drive doesn't take a subscription.
 #[derive(Debug, thiserror::Error)]
 pub enum SubscribeError {
     /// The drive rejected it.
-    #[error("the drive answered {outcome:?}{}", quoted(log))]
+    #[error("the drive answered {cause}")]
     Rejected {
         /// The drive's answer.
         outcome: Outcome,
-        /// The drive's log texts since the request; empty if it sent none.
-        log: String,
+        /// The same in words.
+        cause: String,
     },
     /// The session failed.
     #[error(transparent)]
@@ -36,11 +36,10 @@ impl Session {
     /// The drive rejected the subscription or is silent, or the line broke.
     pub fn subscribe(&mut self, subscription: Subscription) -> Result<(), SubscribeError> {
         let request = Subscribe { signals: subscription.bits(), every: subscription.every };
-        let log_mark = self.line.logs.mark();
-        let (outcome, _) = self.result(request)?.with;
-        if outcome != Outcome::Accepted {
-            let log = self.line.logs.since(log_mark).join("; ");
-            return Err(SubscribeError::Rejected { outcome, log });
+        let reply = self.result(request)?.with;
+        if reply.outcome != Outcome::Accepted {
+            let cause = self.line.cause_of(reply, &self.parameters, &self.signals);
+            return Err(SubscribeError::Rejected { outcome: reply.outcome, cause });
         }
         self.subscription = subscription;
         // Telemetry of the subscription before has other values.

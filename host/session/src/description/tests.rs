@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
-use lashloop_protocol::message::ParameterReport;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::{CommandResult, ParameterReport};
 use lashloop_protocol::{Decoder, MAX_FRAME, Message};
 
 use super::*;
@@ -33,8 +34,8 @@ impl Link for Altered {
         let count = self.drive.receive(&mut received, deadline)?;
         let (mut left, mut altered, mut frame) = (&received[..count], Vec::new(), [0; MAX_FRAME]);
         while let Some(answer) = self.decoder.next::<DriveMessage>(&mut left) {
-            let answer = (self.alteration)(answer.expect("a good frame"));
-            altered.extend_from_slice(answer.write_frame(&mut frame));
+            let answer = answer.expect("a good frame").map(self.alteration);
+            altered.extend_from_slice(answer.message.write_numbered(answer.number, &mut frame));
         }
         buffer[..altered.len()].copy_from_slice(&altered);
         Ok(altered.len())
@@ -60,6 +61,8 @@ fn a_parameter_that_the_drive_announces_and_refuses_is_no_silence() {
             outcome: Outcome::UnknownIndex,
             value: ParameterValue::U32(0),
             state: State::Idle,
+            detail: 0,
+            device_time_us: None,
         }
         .into(),
         answer => answer,
@@ -77,6 +80,23 @@ fn a_parameter_that_the_drive_announces_and_refuses_is_no_silence() {
         ),
         "{error}"
     );
+}
+
+#[test]
+fn a_request_that_is_accepted_and_not_answered_is_no_refusal() {
+    let error = read(|answer| match answer {
+        DriveMessage::LawDescription(_) => CommandResult {
+            request: DescribeLaw::LAYOUT.kind,
+            outcome: Outcome::Accepted,
+            state: State::Idle,
+            detail: 0,
+            device_time_us: None,
+        }
+        .into(),
+        answer => answer,
+    });
+    let error = error.expect_err("no name").to_string();
+    assert!(error.contains("Accepted: but without the answer that the request has"), "{error}");
 }
 
 fn with_range(mut answer: DriveMessage, min: ParameterValue, max: ParameterValue) -> DriveMessage {
@@ -120,14 +140,22 @@ fn bits_of_laws_that_the_drive_lacks_change_nothing() {
 
 #[test]
 fn counts_that_no_drive_can_have_are_rejected_by_field() {
-    let cases: [(Alteration, &str); 3] = [
+    let cases: [(Alteration, &str); 4] = [
         (|answer| with_counts(answer, 0, 3), "law_count 0, allowed are 1 to 16"),
         (|answer| with_counts(answer, 17, 3), "law_count 17, allowed are 1 to 16"),
         (|answer| with_counts(answer, 4, 33), "signal_count 33, allowed are 0 to 32"),
+        (with_241_parameters, "parameter_count 241, allowed are 0 to 240"),
     ];
     for (alteration, want) in cases {
         let error = read(alteration).expect_err(want).to_string();
         assert!(error.contains(want), "{error}");
+    }
+}
+
+fn with_241_parameters(answer: DriveMessage) -> DriveMessage {
+    match answer {
+        DriveMessage::Identity(it) => Identity { parameter_count: 241, ..it }.into(),
+        other => other,
     }
 }
 

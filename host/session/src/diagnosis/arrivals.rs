@@ -2,12 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{FaultReport, Log, Telemetry};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use super::bad_frame::{CrcVariant, Refusal};
+use super::echoed::OtherIndex;
 use super::raw_bytes::RawBytes;
 
 /// Kinds of a drive, by their low five bits.
@@ -33,6 +35,16 @@ pub struct Arrivals {
     pub other_identities: u32,
     /// Session of the last of these, and the one of the `Hello`.
     pub other_session: Option<(u32, u32)>,
+    /// Answers with another number than that of the last request.
+    pub other_numbers: u32,
+    /// Number of the last of these, and the one of the request.
+    pub other_number: Option<(u8, u8)>,
+    /// The last message with the number of the request that is only a part of the answer.
+    pub part: Option<&'static str>,
+    /// The last answer with the number of the request and another index.
+    pub other_index: Option<OtherIndex>,
+    /// The last fault that the drive has reported, with its detail.
+    pub fault: Option<(FaultCode, u32)>,
     /// Frames that this bench has sent itself.
     pub own_frames: u32,
     /// Requests of another host.
@@ -41,7 +53,9 @@ pub struct Arrivals {
     pub host_request: Option<&'static str>,
     /// Whole frames that aren't messages of a drive, without those of hosts.
     pub refused: u32,
-    /// The first of these, an `Identity` before any other.
+    /// Whole frames of kinds that this bench doesn't know.
+    pub unknown: u32,
+    /// The first frame refused or unknown, an `Identity` before any other.
     pub refusal: Option<Refusal>,
     /// Frames with a wrong CRC.
     pub crc_errors: u32,
@@ -115,8 +129,8 @@ impl Arrivals {
     pub fn trickles(&self) -> bool {
         let Some((first, last)) = self.first_and_last else { return false };
         let spread = last.saturating_duration_since(first);
-        // A code byte, kind and version.
-        let is_identity = matches!(self.raw.head(), [_, 0x81, PROTOCOL_VERSION, ..]);
+        // A code byte, kind, number and version.
+        let is_identity = matches!(self.raw.head(), [_, 0x81, _, PROTOCOL_VERSION, ..]);
         self.bytes >= 3
             && 2 * u64::from(self.reads) >= self.bytes
             && (2 * spread >= self.window() || is_identity)

@@ -5,7 +5,7 @@ use std::fmt;
 use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::FieldType;
 use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{DriveMessage, FrameError, HostMessage, MAX_BODY, Message, cobs, frame};
+use lashloop_protocol::{DriveMessage, FrameError, HostMessage, MAX_BODY, Message, Numbered, cobs, frame};
 
 use crate::text::printable;
 
@@ -15,7 +15,7 @@ const ISO_HDLC: u32 = 0xedb8_8320;
 /// What a bad frame is.
 pub(super) enum BadFrame {
     /// A good frame of a host.
-    OfHost(HostMessage),
+    OfHost(Numbered<HostMessage>),
     /// A whole frame that isn't a message of a drive.
     Refused(Refusal),
     /// A checksum that another rule explains.
@@ -125,11 +125,14 @@ impl Refusal {
 impl fmt::Display for Refusal {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.reason {
-            BodyError::UnknownKind { kind } => {
-                write!(out, "a message of kind {kind:#04x}, which no drive of this protocol version sends")
+            BodyError::UnknownKind { kind, .. } => {
+                write!(out, "a message of kind {kind:#04x}, which this bench doesn't know")
             }
-            BodyError::Length { name, expected, found } => {
-                write!(out, "{name} with a body of {found} bytes instead of {expected}")
+            BodyError::OtherDirection { kind } => {
+                write!(out, "a message of kind {kind:#04x}, which no drive sends")
+            }
+            BodyError::Length { name, shortest, found } => {
+                write!(out, "{name} with a body of {found} bytes; it has at least {shortest}")
             }
             BodyError::Elements { name, longest, step, found } => {
                 write!(
@@ -144,7 +147,7 @@ impl fmt::Display for Refusal {
                         write!(out, "{byte}, no value of {}", list.name)
                     }
                     Some((FieldType::Status { .. }, [byte, ..])) => {
-                        write!(out, "{byte:#04x}, a state or a flag without a name")
+                        write!(out, "{byte:#04x}, a state of 0")
                     }
                     Some((FieldType::Text, text)) => {
                         let text = String::from_utf8_lossy(text);

@@ -2,8 +2,12 @@
 
 use std::fmt;
 
+use lashloop_protocol::enums::FaultCode;
+
 use super::arrivals::Arrivals;
 use super::bad_frame::{CrcVariant, Refusal};
+use super::echoed::OtherIndex;
+use super::framing::FramingMistake;
 
 /// Rate of messages that no request causes from which answers wait behind them.
 const FLOOD_PER_S: f64 = 500.0;
@@ -17,6 +21,15 @@ pub enum Cause {
     NoDrive,
     /// A drive that answered before is silent.
     Hang,
+    /// A drive is silent after it has reported a fault.
+    Halted {
+        /// The fault.
+        code: FaultCode,
+        /// Its detail.
+        detail: u32,
+    },
+    /// A drive sends logs, and has never answered.
+    Deaf,
     /// The bench's own frames come back.
     Loopback,
     /// A terminal in cooked mode echoes the bench's bytes.
@@ -39,18 +52,36 @@ pub enum Cause {
     },
     /// Messages that no request causes arrive faster than a bench needs them.
     Flood,
+    /// Answers arrive with another number than that of the request.
+    OtherNumber {
+        /// The number received.
+        received: u8,
+        /// The number of the request.
+        sent: u8,
+    },
+    /// Answers arrive with the number of the request and another index.
+    OtherIndex(OtherIndex),
+    /// A part of the answer arrives, without its end.
+    PartAnswer {
+        /// Name of the message.
+        part: &'static str,
+    },
     /// Good frames arrive, without the awaited one among them.
     OtherAnswers,
     /// Bytes arrive one by one, slower than any line.
     Trickle,
     /// The firmware computes another CRC.
     Crc(CrcVariant),
+    /// The firmware frames its messages wrongly.
+    Framing(FramingMistake),
     /// The far end sends text: its first line, escaped.
     Text(String),
     /// Delimiters alone.
     ZeroBytes,
     /// Bytes without a delimiter.
     EndlessFrame,
+    /// The beginning of a frame, of a drive that answered before.
+    Unfinished,
     /// The far end sends at a lower baud rate.
     LowerBaud,
     /// Bytes that aren't frames.
@@ -86,26 +117,49 @@ impl Cause {
         if arrivals.unsolicited_per_s() > FLOOD_PER_S {
             return Self::Flood;
         }
-        // Logs, and the telemetry of the last sample.
-        if is_connected && good > 0 && good == arrivals.unsolicited() {
-            return Self::Hang;
-        }
         if good > 0 {
-            let is_foreign = 2 * u64::from(arrivals.unrequested) > u64::from(good);
-            return if is_foreign { Self::SecondHost } else { Self::OtherAnswers };
+            return Self::of_good_frames(arrivals, is_connected);
         }
         if let Some(refusal) = arrivals.refusal {
             return Self::Refused(refusal);
         }
-        match arrivals.crc_variant {
-            Some(variant) => Self::Crc(variant),
-            None if raw.count == 0 => Self::ZeroBytes,
-            None if raw.is_cooked_echo() => Self::CookedEcho,
-            None if raw.is_text() => Self::Text(raw.first_line()),
-            None if arrivals.damaged() == 0 && raw.count >= ENDLESS => Self::EndlessFrame,
-            None if is_connected => Self::Damage,
-            None if raw.is_sampled_too_fast() => Self::LowerBaud,
-            None => Self::NoFrames,
+        if let Some(variant) = arrivals.crc_variant {
+            return Self::Crc(variant);
+        }
+        if let Some(mistake) = FramingMistake::of(raw.framed(), is_connected) {
+            return Self::Framing(mistake);
+        }
+        let has_no_end = arrivals.damaged() == 0;
+        match raw {
+            raw if raw.count == 0 => Self::ZeroBytes,
+            raw if raw.is_cooked_echo() => Self::CookedEcho,
+            raw if raw.is_text() => Self::Text(raw.first_line()),
+            raw if has_no_end && raw.count >= ENDLESS => Self::EndlessFrame,
+            _ if has_no_end && is_connected => Self::Unfinished,
+            _ if is_connected => Self::Damage,
+            raw if raw.is_sampled_too_fast() => Self::LowerBaud,
+            _ => Self::NoFrames,
+        }
+    }
+
+    /// As [`Self::of`], if good frames have arrived that are no answer.
+    fn of_good_frames(arrivals: &Arrivals, is_connected: bool) -> Self {
+        let good = arrivals.good_count();
+        if good == arrivals.unsolicited() {
+            return match arrivals.fault {
+                Some((code, detail)) => Self::Halted { code, detail },
+                // Logs, and the telemetry of the last sample.
+                None if is_connected => Self::Hang,
+                None => Self::Deaf,
+            };
+        }
+        let is_foreign = 2 * u64::from(arrivals.unrequested) > u64::from(good);
+        match *arrivals {
+            _ if is_foreign => Self::SecondHost,
+            Arrivals { other_index: Some(other), .. } => Self::OtherIndex(other),
+            Arrivals { part: Some(part), .. } => Self::PartAnswer { part },
+            Arrivals { other_number: Some((received, sent)), .. } => Self::OtherNumber { received, sent },
+            _ => Self::OtherAnswers,
         }
     }
 }
@@ -119,6 +173,24 @@ impl fmt::Display for Cause {
                  baud rate",
             ),
             Self::Hang => out.write_str("the firmware hangs or the line is cut; check the power and the cable"),
+            Self::Halted { code: FaultCode::Panic, detail } => write!(
+                out,
+                "the firmware panicked at source line {detail} and has halted; correct it, then power the drive off and on"
+            ),
+            Self::Halted { code: FaultCode::ProcessorFault, detail } => write!(
+                out,
+                "the processor took a fault at {detail:#010x}, or an interrupt of that number, and has halted; correct the \
+                 firmware, then power the drive off and on"
+            ),
+            Self::Halted { code, .. } => write!(
+                out,
+                "the drive reports the fault {code} and nothing after it: the firmware hangs in its reaction; check it, then power \
+                 the drive off and on"
+            ),
+            Self::Deaf => out.write_str(
+                "the drive sends of its own accord and answers nothing, so it receives nothing; check the wire from the bench's TX \
+                 to the drive's RX, and the firmware's receiver",
+            ),
             Self::Loopback => out.write_str(
                 "the far end returns the bench's own frames, as a loop plug, an echo or a second open port does; connect RX \
                  to the drive's TX and switch the echo off",
@@ -148,6 +220,20 @@ impl fmt::Display for Cause {
             Self::Flood => out.write_str(
                 "answers wait behind messages that no request causes; the firmware must answer first and send fewer of them",
             ),
+            Self::OtherNumber { received, sent } => write!(
+                out,
+                "answers have the number {received}, the request has {sent}; the firmware must repeat the number of each request, or \
+                 a delay on the line is longer than the wait"
+            ),
+            Self::OtherIndex(OtherIndex { answer, field, received, sent }) => write!(
+                out,
+                "{} has {field} {received}, the request has {sent}; the firmware must repeat the {field} of the request",
+                answer.name
+            ),
+            Self::PartAnswer { part } => write!(
+                out,
+                "{part} belongs to the answer and its end is missing; the firmware must send all messages of an answer"
+            ),
             Self::OtherAnswers => {
                 out.write_str(
                     "answers to other requests, so the drive omits this one, or a delay on the line is longer than the wait; \
@@ -159,6 +245,7 @@ impl fmt::Display for Cause {
                  converters on the line for delays",
             ),
             Self::Crc(variant) => write!(out, "whole frames have a wrong CRC: {variant}"),
+            Self::Framing(mistake) => mistake.fmt(out),
             Self::Text(line) => write!(
                 out,
                 "the far end sends text, \"{line}\": a console, a modem or a boot loader instead of a drive; take another \
@@ -171,6 +258,10 @@ impl fmt::Display for Cause {
             Self::EndlessFrame => out.write_str(
                 "no byte is zero, so no frame ends; the firmware must end each frame with a zero byte, or this is another \
                  protocol",
+            ),
+            Self::Unfinished => out.write_str(
+                "a frame begins and does not end: the firmware hangs while it sends, or forgets the delimiter; check it, and the \
+                 power of the drive",
             ),
             Self::LowerBaud => out.write_str(
                 "bytes of long equal bits, so the far end sends at a lower baud rate; set the same rate on both sides",

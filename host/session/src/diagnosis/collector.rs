@@ -3,11 +3,16 @@
 use std::time::Instant;
 
 use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::layout::has_number;
+use lashloop_protocol::wire::BodyError;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, MAX_FRAME, Message, message};
+use lashloop_protocol::{
+    Decoder, DriveMessage, FrameError, HostMessage, MAX_FRAME, Message, Numbered, message,
+};
 
 use super::arrivals::{Arrivals, slot};
 use super::bad_frame::{BadFrame, Refusal};
+use super::echoed::OtherIndex;
 use super::report::Diagnosis;
 
 /// Frames sent that an echo is compared with.
@@ -24,8 +29,10 @@ pub(crate) struct Collector {
     partial: [u8; LONGEST],
     /// All bytes since the last delimiter.
     partial_len: usize,
-    sent: [Option<HostMessage>; REMEMBERED],
+    sent: [Option<Numbered<HostMessage>>; REMEMBERED],
     next_sent: usize,
+    /// The last request with a number.
+    request: Option<Numbered<HostMessage>>,
     /// Kinds of the requests sent, a bit each.
     sent_kinds: u32,
     /// Session of the last `Hello` sent.
@@ -45,6 +52,7 @@ impl Default for Collector {
             partial_len: 0,
             sent: [None; REMEMBERED],
             next_sent: 0,
+            request: None,
             sent_kinds: 0,
             session: None,
             is_connected: false,
@@ -61,11 +69,15 @@ impl Collector {
     }
 
     /// A message is sent.
-    pub(crate) fn sent(&mut self, message: &HostMessage) {
+    pub(crate) fn sent(&mut self, message: &Numbered<HostMessage>) {
         self.sent[self.next_sent] = Some(*message);
         self.next_sent = (self.next_sent + 1) % REMEMBERED;
-        self.sent_kinds |= 1_u32.checked_shl(message.layout().kind.into()).unwrap_or(0);
-        if let HostMessage::Hello(hello) = message {
+        let layout = message.message.layout();
+        self.sent_kinds |= 1_u32.checked_shl(layout.kind.into()).unwrap_or(0);
+        if layout.has_number() {
+            self.request = Some(*message);
+        }
+        if let HostMessage::Hello(hello) = message.message {
             self.session = Some(hello.session);
         }
     }
@@ -105,17 +117,17 @@ impl Collector {
         self.partial_len = 0;
     }
 
-    /// The bench awaited the message that arrived last.
+    /// The bench awaited the message that was decoded last; `left` bytes behind it are read and not decoded yet.
     #[inline]
-    pub(crate) fn awaited(&mut self) {
+    pub(crate) fn awaited(&mut self, left: usize) {
         self.is_connected = true;
         if self.is_mixed {
             self.restart();
-            return;
         }
         let arrivals = &mut self.arrivals;
-        (arrivals.bytes, arrivals.reads, arrivals.lone_delimiters) = (0, 0, 0);
+        (arrivals.bytes, arrivals.reads, arrivals.lone_delimiters) = (left as u64, u32::from(left > 0), 0);
         (arrivals.since, arrivals.first_and_last) = (None, None);
+        arrivals.raw.forget_delimiters();
     }
 
     fn restart(&mut self) {
@@ -124,7 +136,8 @@ impl Collector {
     }
 
     /// The bench did not await this message.
-    pub(crate) fn other(&mut self, message: &DriveMessage) {
+    pub(crate) fn other(&mut self, answer: &Numbered<DriveMessage>) {
+        let message = &answer.message;
         self.is_mixed = true;
         let count = &mut self.arrivals.good[slot(message.layout().kind)];
         *count = count.saturating_add(1);
@@ -143,6 +156,28 @@ impl Collector {
             self.arrivals.other_identities = self.arrivals.other_identities.saturating_add(1);
             self.arrivals.other_session = Some((it.session, session));
         }
+        if let DriveMessage::FaultReport(it) = message {
+            self.arrivals.fault = Some((it.code, it.detail));
+        }
+        self.compare(answer);
+    }
+
+    /// Compares an answer with the last request.
+    fn compare(&mut self, Numbered { number, message }: &Numbered<DriveMessage>) {
+        let Some(request) = self.request.filter(|_| message.layout().has_number()) else { return };
+        // The refusal of a sample has number 0, as the sample has none.
+        if matches!(message, DriveMessage::CommandResult(it) if !has_number(it.request)) {
+            return;
+        }
+        if *number == request.number {
+            match OtherIndex::of(message, &request.message) {
+                Some(other) => self.arrivals.other_index = Some(other),
+                None => self.arrivals.part = Some(message.layout().name),
+            }
+            return;
+        }
+        self.arrivals.other_numbers = self.arrivals.other_numbers.saturating_add(1);
+        self.arrivals.other_number = Some((*number, request.number));
     }
 
     /// Answers since the line was opened that nothing awaited: late, doubled, or to the requests of another host.
@@ -211,6 +246,7 @@ impl Collector {
             }
             None => BadFrame::Damaged,
         };
+        arrivals.raw.add_delimiters(1);
         let count = match error {
             FrameError::Oversized { .. } => &mut arrivals.oversized,
             FrameError::Stuffing { .. } | FrameError::TooShort { .. } | FrameError::Truncated { .. } => {
@@ -222,8 +258,11 @@ impl Collector {
                     &mut arrivals.own_frames
                 }
                 BadFrame::OfHost(ref message) => {
-                    arrivals.host_request = Some(message.layout().name);
+                    arrivals.host_request = Some(message.message.layout().name);
                     &mut arrivals.host_requests
+                }
+                _ if matches!(error, FrameError::Body(BodyError::UnknownKind { .. })) => {
+                    &mut arrivals.unknown
                 }
                 _ => &mut arrivals.refused,
             },
@@ -247,6 +286,7 @@ impl Collector {
         }
         let lone = bytes.iter().take_while(|byte| **byte == DELIMITER).count();
         self.arrivals.lone_delimiters += lone as u64;
+        self.arrivals.raw.add_delimiters(lone);
         &bytes[lone..]
     }
 

@@ -6,6 +6,8 @@
 //! | `arrivals` | [`Arrivals`]: the counts since the last awaited frame |
 //! | `raw_bytes` | statistics of the bytes outside good frames |
 //! | `bad_frame` | what a frame is that isn't a message of a drive |
+//! | `framing` | mistakes of a firmware in its framing |
+//! | `echoed` | an answer that repeats its request wrongly |
 //! | `cause` | [`Cause`]: the probable cause |
 //! | `report` | [`Diagnosis`] and its sentences |
 
@@ -13,6 +15,8 @@ mod arrivals;
 mod bad_frame;
 mod cause;
 mod collector;
+mod echoed;
+mod framing;
 mod raw_bytes;
 mod report;
 
@@ -20,6 +24,8 @@ pub use arrivals::Arrivals;
 pub use bad_frame::{CrcVariant, Refusal};
 pub use cause::Cause;
 pub(crate) use collector::Collector;
+pub use echoed::OtherIndex;
+pub use framing::FramingMistake;
 pub use raw_bytes::RawBytes;
 pub use report::Diagnosis;
 

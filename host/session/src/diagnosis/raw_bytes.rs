@@ -19,11 +19,22 @@ pub struct RawBytes {
     pub transitions: u64,
     head: [u8; KEPT],
     head_len: usize,
+    /// The first bytes with their delimiters.
+    framed: [u8; KEPT],
+    framed_len: usize,
 }
 
 impl Default for RawBytes {
     fn default() -> Self {
-        Self { count: 0, text: 0, transitions: 0, head: [0; KEPT], head_len: 0 }
+        Self {
+            count: 0,
+            text: 0,
+            transitions: 0,
+            head: [0; KEPT],
+            head_len: 0,
+            framed: [0; KEPT],
+            framed_len: 0,
+        }
     }
 }
 
@@ -34,10 +45,13 @@ impl RawBytes {
             self.text += u64::from(is_text(*byte));
             self.transitions += u64::from(((byte ^ (byte >> 1)) & 0x7f).count_ones());
         }
-        let free = &mut self.head[self.head_len..];
-        let kept = bytes.len().min(free.len());
-        free[..kept].copy_from_slice(&bytes[..kept]);
-        self.head_len += kept;
+        keep(bytes, &mut self.head, &mut self.head_len);
+        keep(bytes, &mut self.framed, &mut self.framed_len);
+    }
+
+    /// Delimiters arrived, behind bytes or alone.
+    pub(super) fn add_delimiters(&mut self, count: usize) {
+        keep(&[0; KEPT][..count.min(KEPT)], &mut self.framed, &mut self.framed_len);
     }
 
     /// The first bytes.
@@ -46,11 +60,25 @@ impl RawBytes {
         &self.head[..self.head_len]
     }
 
+    /// Delimiters alone explain nothing.
+    pub(super) fn forget_delimiters(&mut self) {
+        self.framed_len = 0;
+    }
+
+    /// The first bytes with their delimiters.
+    pub(super) fn framed(&self) -> &[u8] {
+        &self.framed[..self.framed_len]
+    }
+
     /// Whether a person could read them.
     #[must_use]
     pub fn is_text(&self) -> bool {
-        let is_varied = self.head().iter().any(|byte| *byte != self.head[0]);
-        self.count >= 4 && is_varied && 10 * self.text >= 9 * self.count
+        self.count >= 4 && self.is_varied() && 10 * self.text >= 9 * self.count
+    }
+
+    /// Whether they are more than one byte over and over.
+    fn is_varied(&self) -> bool {
+        self.head().iter().any(|byte| *byte != self.head[0])
     }
 
     /// The first line with letters in it, escaped and shortened.
@@ -75,8 +103,17 @@ impl RawBytes {
     /// Whether a UART received them that samples faster than the far end sends.
     #[must_use]
     pub fn is_sampled_too_fast(&self) -> bool {
-        self.count >= 16 && self.transitions <= 2 * self.count
+        // One byte over and over is padding.
+        self.count >= 16 && self.is_varied() && self.transitions <= 2 * self.count
     }
+}
+
+/// Keeps as many of `bytes` as `kept` still takes.
+fn keep(bytes: &[u8], kept: &mut [u8; KEPT], len: &mut usize) {
+    let free = &mut kept[*len..];
+    let count = bytes.len().min(free.len());
+    free[..count].copy_from_slice(&bytes[..count]);
+    *len += count;
 }
 
 fn is_text(byte: u8) -> bool {

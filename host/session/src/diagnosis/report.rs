@@ -82,6 +82,7 @@ impl Arrivals {
             (self.own_frames, "frame of this bench"),
             (self.host_requests, "request of another host"),
             (self.refused, "refused frame"),
+            (self.unknown, "frame of an unknown kind"),
             (self.crc_errors, "frame with a wrong CRC"),
             (self.malformed, "malformed frame"),
         ];
@@ -95,7 +96,7 @@ impl Arrivals {
 
     /// Whether bytes arrived and no whole frame.
     fn is_undecodable(&self) -> bool {
-        let whole = [self.good_count(), self.own_frames, self.host_requests, self.refused];
+        let whole = [self.good_count(), self.own_frames, self.host_requests, self.refused, self.unknown];
         whole.iter().all(|count| *count == 0) && self.raw.count > 0
     }
 }

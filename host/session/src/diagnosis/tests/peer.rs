@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::enums::{State, Version};
+use lashloop_protocol::enums::{Capabilities, State, Version};
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::text::Text;
-use lashloop_protocol::{Decoder, HostMessage};
+use lashloop_protocol::{Decoder, HostMessage, Numbered};
 
 use lashloop_link::{Link, LinkError};
 
@@ -34,14 +34,14 @@ impl Peer {
     /// A far end that answers each request with one frame, `delay` later.
     pub fn answering(
         delay: Duration,
-        mut answer: impl FnMut(HostMessage) -> Option<Vec<u8>> + Send + 'static,
+        mut answer: impl FnMut(Numbered<HostMessage>) -> Option<Vec<u8>> + Send + 'static,
     ) -> Self {
         Self::answering_after(move |request| Some((delay, answer(request)?)))
     }
 
     /// A far end that answers each request with one frame, after a delay that depends on the request.
     pub fn answering_after(
-        mut answer: impl FnMut(HostMessage) -> Option<(Duration, Vec<u8>)> + Send + 'static,
+        mut answer: impl FnMut(Numbered<HostMessage>) -> Option<(Duration, Vec<u8>)> + Send + 'static,
     ) -> Self {
         Self::replying(move |bytes| {
             let (mut bytes, mut decoder) = (bytes, Decoder::new());
@@ -107,6 +107,7 @@ impl Link for Peer {
 pub fn identity(session: u32) -> Identity {
     Identity {
         protocol_version: 1,
+        minor_version: 0,
         session,
         firmware: Version { major: 1, minor: 0, patch: 0 },
         build_id: 0,
@@ -119,6 +120,8 @@ pub fn identity(session: u32) -> Identity {
         law_count: 1,
         signal_count: 0,
         parameter_count: 0,
+        capabilities: Capabilities::empty(),
+        device_time_us: None,
     }
 }
 
