@@ -1,6 +1,6 @@
 //! The requests that most checks send, and the answers of a drive by kind.
 
-use lashloop_protocol::enums::Outcome;
+use lashloop_protocol::enums::{FaultCode, Outcome};
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{
     CommandResult, EncoderSample, FaultReport, Hello, Identity, LineReport, ParameterReport, Telemetry,
@@ -12,12 +12,26 @@ use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSI
 use super::assertion::{Failure, find};
 
 pub(super) const fn hello(session: u32) -> Hello {
-    Hello { protocol_version: PROTOCOL_VERSION, session }
+    Hello::new(session)
 }
 
 /// A `Hello` of the next version.
 pub(super) fn other(session: u32) -> HostMessage {
-    Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session }.into()
+    of_version(PROTOCOL_VERSION.wrapping_add(1), session).into()
+}
+
+pub(super) const fn of_version(protocol_version: u8, session: u32) -> Hello {
+    Hello { protocol_version, ..Hello::new(session) }
+}
+
+/// What a receiver without overruns reports.
+pub(super) const fn counted(messages: u32, damaged: u32, refused: u32) -> LineReport {
+    LineReport { messages, damaged, refused, overruns: 0, device_time_us: None }
+}
+
+/// The report of a fault without limit and detail.
+pub(super) const fn latched(code: FaultCode, sequence: u16, value: f32) -> FaultReport {
+    FaultReport { code, sequence, value, limit: 0.0, detail: 0, device_time_us: None }
 }
 
 /// Mechanics at rest at zero and a reference of 1 rad: every control law requests a torque.

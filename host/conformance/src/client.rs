@@ -1,41 +1,38 @@
 //! The bench's side of a conformance run: requests and all their answers.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{
-    GetParameter, Identity, ParameterReport, Reset, SetParameter, Start, TorqueAnswer,
-};
-use lashloop_protocol::wire::Payload;
+use lashloop_protocol::enums::State;
+use lashloop_protocol::frame::{DELIMITER, Frame};
+use lashloop_protocol::message::{GetParameter, Identity, Reset};
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_link::Link;
 use lashloop_session::line::Line;
-use lashloop_session::{Description, Parameter, SessionError, handshake};
+use lashloop_session::{Description, SessionError, handshake};
 
-use super::answers::{command_result, hello, identity, report, sample, torque};
-use super::assertion::{Failure, RuleResult, broken, equal, preparation};
-use super::range::in_type_of;
+use super::arrivals::Arrivals;
+use super::assertion::{Failure, RuleResult, broken};
 use super::time_up::{Starvation, TimeUp};
 use super::words::Words;
+use super::writes::next_write;
 
 /// Time for the answers to one request. A drive answers at once.
 pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);
 
-/// Numbers of the sessions that settle a drive differ in these bits from those of the checks.
-const SETTLING: u32 = 0x5e77_1e00;
+/// More answers to the requests of one write than any drive gives.
+const MOST_ANSWERS: usize = 200;
+/// Messages that are read after a deadline at most, as they may have arrived before it.
+const MOST_OVERDUE: u32 = 1_000;
 /// Mean time of an exchange from which a drive or its line is slow: some 230,400 Bd.
 const SLOW: Duration = Duration::from_micros(1_500);
 /// As above, for a drive on which repetitions are barely possible.
 const SLOWEST: Duration = Duration::from_micros(2_500);
 
-/// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
-/// the end of the answers to the request before it.
+/// Index that no drive has. Reading it has no effect in any state, so its answer marks the end of the answers to the request
+/// before it.
 const NO_PARAMETER: u8 = u8::MAX;
-
-/// Parameter that selects the law; a drive with one law may omit it.
-pub(super) const CONTROLLER: &str = "controller";
 
 /// A drive under test.
 pub(super) struct Client {
@@ -46,6 +43,13 @@ pub(super) struct Client {
     pub(super) description: Description,
     /// What no drive can have, in words.
     pub(super) defects: Vec<String>,
+    pub(super) arrivals: Arrivals,
+    /// Whether the drive loses requests of one write, so that each is sent alone.
+    pub(super) sends_alone: bool,
+    /// Answers that arrived before the last requests of a call were sent.
+    early: VecDeque<DriveMessage>,
+    /// Messages read after a deadline, one after the other.
+    overdue: u32,
     /// State of the drive after the last request.
     pub(super) state: State,
     /// A measurement of the check, for information.
@@ -66,8 +70,6 @@ pub(super) struct Client {
     pub(super) is_unsettled: bool,
     /// Whether the present check has given up on an answer.
     is_unanswered: bool,
-    /// Times that the drive was settled.
-    settled: u8,
 }
 
 impl Client {
@@ -84,25 +86,29 @@ impl Client {
         let defects = defects.iter().map(ToString::to_string).collect();
         let time_up =
             TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starvation: Starvation::look(&mut line) };
-        let (state, note) = (identity.state, String::new());
-        let (slowest, waited_until, settled) = (Duration::ZERO, line.now(), 0);
+        let arrivals = Arrivals::new(&identity);
+        let (state, waited_until) = (identity.state, line.now());
         Ok(Self {
             line,
             session,
-            identity,
+            // The checks compare messages without it.
+            identity: Identity { device_time_us: None, ..identity },
             description,
             defects,
+            arrivals,
+            sends_alone: false,
+            early: VecDeque::new(),
+            overdue: 0,
             state,
-            note,
+            note: String::new(),
             time_up,
             opened_at,
             exchange,
             describing,
-            slowest,
+            slowest: Duration::ZERO,
             waited_until,
             is_unsettled: false,
             is_unanswered: false,
-            settled,
         })
     }
 
@@ -126,26 +132,35 @@ impl Client {
         })
     }
 
-    /// Lets late answers to earlier requests pass: all have arrived when a `Hello` of a new session is answered. Returns whether
-    /// the end of an earlier request's answers was among them.
+    /// Lets late answers to earlier requests pass: all have arrived when a read is answered. Returns whether the end of an
+    /// earlier request's answers was among them.
     pub(super) fn settle(&mut self) -> Result<bool, Failure> {
         if !self.is_unsettled {
             return Ok(false);
         }
-        let mut is_late = false;
-        self.settled = self.settled.wrapping_add(1);
-        let session = self.session ^ SETTLING ^ u32::from(self.settled);
-        self.line.send(&hello(session).into())?;
-        let answered = self.wait_for(2 * REQUEST_LIMIT, |message| match message {
-            DriveMessage::Identity(it) if it.session == session => Some(it.state),
-            DriveMessage::ParameterReport(it) if it.index == NO_PARAMETER => {
-                is_late = true;
-                None
-            }
-            _ => None,
-        })?;
-        self.is_unsettled = answered.is_none();
-        Ok(is_late)
+        self.arrivals.skips_late = true;
+        let read = self.frame(GetParameter { index: NO_PARAMETER });
+        self.write(&read)?;
+        let deadline = self.line.now() + 2 * REQUEST_LIMIT;
+        let mut ends = 0;
+        while self.arrivals.is_waiting()
+            && let Some(message) = self.receive(deadline)?
+        {
+            ends += u32::from(is_end(&message));
+        }
+        self.is_unsettled = self.arrivals.is_waiting();
+        Ok(ends > 1)
+    }
+
+    /// Discards what belongs to the requests before a `Reset`. Answers to them are late from here on.
+    pub(super) fn forget(&mut self) -> RuleResult {
+        self.line.clear()?;
+        self.arrivals.forget_partial();
+        self.arrivals.skips_late = true;
+        self.early.clear();
+        self.settle()?;
+        self.arrivals.close();
+        Ok(())
     }
 
     /// Whether the present check has given up on an answer that comes after all: the drive, its line or its machine stood still.
@@ -158,43 +173,40 @@ impl Client {
         self.line.send(&Reset {}.into())
     }
 
+    /// The frame of a request, with a number of its own.
+    pub(super) fn frame(&mut self, request: impl Into<HostMessage>) -> Frame {
+        request.into().numbered_frame(self.arrivals.next_number())
+    }
+
     /// Sends a request and returns all of its answers but `Log`, which a drive may send at any time. A read of
     /// [`NO_PARAMETER`] after it marks their end.
     pub(super) fn request(&mut self, request: impl Into<HostMessage>) -> Result<Vec<DriveMessage>, Failure> {
-        self.request_bytes(&request.into().frame())
+        let frame = self.frame(request);
+        self.request_bytes(&frame)
     }
 
     /// As [`Self::request`], for arbitrary bytes.
     pub(super) fn request_bytes(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
-        let mut answers = self.request_with_logs(bytes)?;
-        answers.retain(|answer| !matches!(answer, DriveMessage::Log(_)));
-        Ok(answers)
-    }
-
-    /// As [`Self::request_bytes`], with every `Log` in its place.
-    pub(super) fn request_with_logs(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
-        let marker = HostMessage::from(GetParameter { index: NO_PARAMETER });
-        self.send_bytes(&[bytes, &*marker.frame()].concat())?;
+        let marker = self.frame(GetParameter { index: NO_PARAMETER });
+        self.send_bytes(&[bytes, &*marker].concat())?;
         let requests = bytes.iter().filter(|byte| **byte == DELIMITER).count() as u32 + 1;
         let sent_at = self.line.now();
         let mut answers = Vec::new();
-        let mut heard = 0;
-        loop {
+        while answers.len() < MOST_ANSWERS {
             // Each request of a burst has a time of its own; other messages extend none.
-            let limit = REQUEST_LIMIT * (heard + 1).min(requests);
+            let limit = REQUEST_LIMIT * (answers.len() as u32 + 1).min(requests);
             let rest = (sent_at + limit).saturating_duration_since(self.line.now());
             let Some(message) = self.wait_for(rest, |message| Some(*message))? else { break };
-            match message {
-                DriveMessage::ParameterReport(report) if report.index == NO_PARAMETER => {
-                    self.state = report.state;
-                    let waited = self.line.now().saturating_duration_since(sent_at);
-                    self.slowest = self.slowest.max(waited / requests);
-                    return Ok(answers);
-                }
-                DriveMessage::Log(_) => {}
-                _ => heard += 1,
+            if is_end(&message) {
+                let waited = self.line.now().saturating_duration_since(sent_at);
+                self.slowest = self.slowest.max(waited / requests);
+                self.arrivals.close();
+                self.state = state_in(&message).unwrap_or(self.state);
+                return Ok(answers);
             }
-            answers.push(message);
+            if !matches!(message, DriveMessage::Log(_)) {
+                answers.push(message);
+            }
         }
         (self.is_unsettled, self.is_unanswered) = (true, true);
         let limit_s = REQUEST_LIMIT.as_secs();
@@ -205,28 +217,30 @@ impl Client {
     }
 
     /// Sends a request whose last answer `is_last` accepts, and returns all of its answers up to that one but `Log`. A surplus
-    /// answer is found before the answers to the next request. Without the last answer, the answers end at a marker.
+    /// answer is found with the next request. Without the last answer, the answers end at a marker.
     pub(super) fn request_until(
         &mut self,
         request: impl Into<HostMessage>,
         is_last: impl Fn(&DriveMessage) -> bool,
     ) -> Result<Vec<DriveMessage>, Failure> {
-        self.send_bytes(&request.into().frame())?;
+        let frame = self.frame(request);
+        self.send_bytes(&frame)?;
         let sent_at = self.line.now();
         let mut answers = Vec::new();
         let last = self.wait_for(REQUEST_LIMIT, |message| {
             if !matches!(message, DriveMessage::Log(_)) {
                 answers.push(*message);
             }
-            is_last(message).then_some(*message)
+            (is_last(message) || answers.len() > MOST_ANSWERS).then_some(*message)
         })?;
-        let waited = self.line.now().saturating_duration_since(sent_at);
-        if last.is_some() {
-            self.slowest = self.slowest.max(waited);
-        }
         if last.is_none() {
             answers.extend(self.request_bytes(&[])?);
-        } else if let Some(state) = answers.iter().filter_map(state_in).next_back() {
+            return Ok(answers);
+        }
+        let waited = self.line.now().saturating_duration_since(sent_at);
+        self.slowest = self.slowest.max(waited);
+        self.arrivals.close();
+        if let Some(state) = answers.iter().filter_map(state_in).next_back() {
             self.state = state;
         }
         Ok(answers)
@@ -249,10 +263,35 @@ impl Client {
         self.request_until(request, |answer| !matches!(answer, DriveMessage::Log(_)))
     }
 
+    /// Sends bytes, in writes that every drive takes. The requests of a write are answered before the next one.
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            if self.sends_alone || rest.len() < bytes.len() {
+                self.await_answers()?;
+            }
+            let (write, later) = rest.split_at(next_write(rest, self.sends_alone));
+            self.write(write)?;
+            rest = later;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> RuleResult {
         self.require_time()?;
+        self.arrivals.sent(bytes);
         self.line.send_bytes(bytes)?;
         self.note_lateness(self.waited_until);
+        Ok(())
+    }
+
+    /// Keeps the answers to all requests sent.
+    fn await_answers(&mut self) -> RuleResult {
+        while self.arrivals.is_waiting() && self.early.len() < MOST_ANSWERS {
+            let deadline = self.line.now() + REQUEST_LIMIT;
+            let Some(message) = self.receive(deadline)? else { break };
+            self.early.push_back(message);
+        }
         Ok(())
     }
 
@@ -285,99 +324,37 @@ impl Client {
     ) -> Result<Option<T>, Failure> {
         let deadline = self.line.now() + limit;
         loop {
+            let message = match self.early.pop_front() {
+                Some(early) => early,
+                None => match self.receive(deadline)? {
+                    Some(message) => message,
+                    None => return Ok(None),
+                },
+            };
+            if let Some(found) = wanted(&message) {
+                return Ok(Some(found));
+            }
+        }
+    }
+
+    /// The next message, checked and without its device time; `None` at the deadline.
+    fn receive(&mut self, deadline: Instant) -> Result<Option<DriveMessage>, Failure> {
+        loop {
+            self.overdue = if self.line.now() > deadline { self.overdue + 1 } else { 0 };
             let ends_at = deadline.min(self.time_up.at);
-            let found = self.line.wait(ends_at, &mut wanted)?;
+            let arrived = self.line.wait_numbered(ends_at, |arrived| Some(*arrived))?;
             self.note_lateness(deadline);
-            if found.is_some() || ends_at == deadline {
-                return Ok(found);
+            match arrived {
+                _ if self.overdue > MOST_OVERDUE => return Ok(None),
+                Some(arrived) => {
+                    if let Some(message) = self.arrivals.take(&arrived)? {
+                        return Ok(Some(message));
+                    }
+                }
+                None if ends_at == deadline => return Ok(None),
+                None => self.require_time()?,
             }
-            self.require_time()?;
         }
-    }
-
-    /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
-    pub(super) fn command(&mut self, command: impl Into<HostMessage>) -> Result<(Outcome, State), Failure> {
-        let command = command.into();
-        let kind = command.layout().kind;
-        let answers = if kind == Start::LAYOUT.kind {
-            // The receiver's counts of a run start with the marker, in every check.
-            self.request(command)?
-        } else {
-            self.request_until(
-                command,
-                |answer| matches!(answer, DriveMessage::CommandResult(it) if it.request == kind),
-            )?
-        };
-        command_result(command.layout(), &answers).map(|result| (result.outcome, result.state))
-    }
-
-    pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
-        let request = hello(session);
-        if self.state == State::Faulted {
-            return identity(&self.request(request)?);
-        }
-        identity(&self.request_until(request, |answer| matches!(answer, DriveMessage::Identity(_)))?)
-    }
-
-    pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
-        let found = self.description.parameters.iter().find(|parameter| parameter.name == name);
-        let found = found.ok_or_else(|| broken(format!("a parameter {name}"), "a drive without it"));
-        preparation(format!("a parameter {name}"), found)
-    }
-
-    /// Index of the law in force after a reset.
-    pub(super) fn default_law(&self) -> u8 {
-        match self.parameter(CONTROLLER).map(|it| it.default) {
-            Ok(ParameterValue::U32(index)) => index as u8,
-            _ => 0,
-        }
-    }
-
-    /// Sets a parameter, as a preparation. An integer is sent in the parameter's own type: the page allows `F32` for numbers
-    /// with a reserved name.
-    pub(super) fn put(&mut self, name: &str, value: ParameterValue) -> RuleResult {
-        let parameter = self.parameter(name)?;
-        let index = parameter.index;
-        let value = in_type_of(parameter, value);
-        let set = self.set(index, value).and_then(|report| {
-            equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
-        });
-        preparation(format!("SetParameter {name}"), set)
-    }
-
-    /// As [`Self::put`], for several parameters.
-    pub(super) fn put_all(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
-        settings.iter().try_for_each(|(name, value)| self.put(name, *value))
-    }
-
-    pub(super) fn set(&mut self, index: u8, value: ParameterValue) -> Result<ParameterReport, Failure> {
-        report(index, &self.request_until(SetParameter { index, value }, reports(index))?)
-    }
-
-    pub(super) fn get(&mut self, index: u8) -> Result<ParameterReport, Failure> {
-        report(index, &self.request_until(GetParameter { index }, reports(index))?)
-    }
-
-    /// The value of a real parameter, as a preparation.
-    pub(super) fn real(&mut self, name: &str) -> Result<f32, Failure> {
-        let index = self.parameter(name)?.index;
-        let value = self.get(index).and_then(|report| match report.value {
-            ParameterValue::F32(value) => Ok(value),
-            ParameterValue::U32(value) => {
-                Err(broken(format!("{name} of type F32"), format!("the U32 {value}")))
-            }
-        });
-        preparation(format!("GetParameter {name}"), value)
-    }
-
-    /// Sends a sample with the mechanics at rest at zero, and returns all answers.
-    pub(super) fn sample(&mut self, sequence: u16) -> Result<Vec<DriveMessage>, Failure> {
-        self.request(sample(sequence))
-    }
-
-    /// Sends the sample of [`Self::sample`] and returns its torque.
-    pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
-        torque(&self.request_to(sample(sequence), TorqueAnswer::LAYOUT.name)?)
     }
 }
 
@@ -392,7 +369,7 @@ fn state_in(answer: &DriveMessage) -> Option<State> {
     }
 }
 
-/// Whether an answer is the report of a parameter.
-fn reports(index: u8) -> impl Fn(&DriveMessage) -> bool {
-    move |answer| matches!(answer, DriveMessage::ParameterReport(it) if it.index == index)
+/// Whether an answer marks the end of those to the request before it.
+const fn is_end(answer: &DriveMessage) -> bool {
+    matches!(answer, DriveMessage::ParameterReport(it) if it.index == NO_PARAMETER)
 }

@@ -6,18 +6,18 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
-    Subscribe,
+    EncoderSample, FaultReport, GetParameter, LineReport, Reset, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, TelemetryValues};
 
 use super::answers::other;
-use super::answers::{fault, hello, line_report, sample};
+use super::answers::{counted, fault, hello, line_report, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, names};
-use super::burst::{BURST, Exchange, described, result};
 use super::check::{Check, check};
 use super::client::Client;
+use super::exchanges::{BURST, Exchange, reported, result};
+use super::growth::Unknown;
 use super::parameters::values::{defaults, in_force};
 use super::range::{neighbour, of_other_type};
 use super::receiver;
@@ -32,13 +32,12 @@ pub(super) const COPIES: usize = 9;
 const PAUSE: Duration = Duration::from_millis(5);
 
 pub(super) fn checks() -> Vec<Check> {
-    let states = [Boot, Idle, Armed, Running, Faulted].into_iter();
     let of_state = |state: State| {
         let name =
             format!("requests and frames that change nothing change nothing in {state:?}, however often");
         check("R2.6 R2.7 R4.2 R4.15 R6.2 R6.3 R6.8", name, move |client| Constancy::check(client, state))
     };
-    states.map(of_state).collect()
+    State::ALL.iter().map(|state| of_state(*state)).collect()
 }
 
 /// A drive in one state, with everything in it that a request could change by mistake.
@@ -50,6 +49,7 @@ struct Constancy {
     fault: Option<FaultReport>,
     /// What the drive's receiver has counted since the last `Start`.
     counts: LineReport,
+    unknown: Unknown,
 }
 
 impl Constancy {
@@ -58,8 +58,8 @@ impl Constancy {
         for request in it.requests(client) {
             it.repeat(client, request)?;
         }
-        for (request, answer) in unknown(client, state) {
-            equal(&format!("to {}", described(&request)), vec![answer], it.repeat(client, request)?)?;
+        for (request, answer) in unknown_indices(client, state) {
+            equal(&format!("to {}", request.words()), vec![answer], it.repeat(client, request)?)?;
         }
         if state == Running {
             it.run_on(client)?;
@@ -71,6 +71,7 @@ impl Constancy {
 
     /// Leads the drive into the state by a run, so that there are counts, and a subscription and values of its own.
     fn prepared(client: &mut Client, state: State) -> Result<Self, Failure> {
+        let unknown = Unknown::of(client)?;
         client.idle()?;
         let limit = client.parameter("torque_limit_nm")?.clone();
         client.long_watchdog()?;
@@ -85,10 +86,10 @@ impl Constancy {
         client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
         client.arm()?;
         client.start()?;
-        let counts = LineReport { messages: 1, damaged: 0, refused: 0, overruns: 0 };
-        let mut it = Self { state, session, signals, values, fault: None, counts };
+        let counts = counted(1, 0, 0);
+        let mut it = Self { state, session, signals, values, fault: None, counts, unknown };
         let end: Vec<HostMessage> = match state {
-            Boot => vec![Reset {}.into()],
+            Boot | State::Unknown(_) => vec![Reset {}.into()],
             Idle => vec![Stop {}.into()],
             Armed => vec![Stop {}.into(), Arm { session }.into()],
             Running => vec![sample(0).into()],
@@ -108,7 +109,7 @@ impl Constancy {
     fn send(&mut self, client: &mut Client, requests: &[HostMessage]) -> Result<Vec<DriveMessage>, Failure> {
         let answers = client.burst(requests)?;
         self.counts.messages += requests.len() as u32 + 1;
-        equal(&format!("state after {}", described(&requests[0])), self.state, client.state)?;
+        equal(&format!("state after {}", requests[0].words()), self.state, client.state)?;
         Ok(answers)
     }
 
@@ -187,7 +188,7 @@ impl Constancy {
         let mut answers = self.send(client, &vec![request; copies])?;
         answers.iter_mut().for_each(forget_time);
         let count = answers.len() / copies;
-        let name = described(&request);
+        let name = request.words();
         if count == 0 || !answers.len().is_multiple_of(copies) {
             return Err(broken(format!("equal answers to {copies} times {name}"), answers.words()));
         }
@@ -215,8 +216,10 @@ impl Constancy {
         let (damaged, refused) = (receiver::damaged(), receiver::refused(self.session));
         for (frames, count) in [(&damaged, &mut self.counts.damaged), (&refused, &mut self.counts.refused)] {
             *count += frames.len() as u32;
-            receiver::send(client, frames)?;
+            client.send_bytes(&frames.concat())?;
         }
+        self.unknown.exchange(client, self.state)?;
+        self.counts.messages += self.unknown.count + 1;
         let answers = self.send(client, &[GetParameter { index: 0 }.into()])?;
         equal("answers after damaged and refused frames", vec!["ParameterReport"], names(&answers))
     }
@@ -277,13 +280,13 @@ pub(super) fn forget_time(answer: &mut DriveMessage) {
             let zeros = [0.0; MAX_TELEMETRY_VALUES];
             it.values = TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
         }
-        DriveMessage::LineReport(it) => *it = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
+        DriveMessage::LineReport(it) => *it = counted(0, 0, 0),
         _ => {}
     }
 }
 
 /// Requests of an index that the drive does not have.
-pub(super) fn unknown(client: &Client, state: State) -> Vec<Exchange> {
+pub(super) fn unknown_indices(client: &Client, state: State) -> Vec<Exchange> {
     let identity = &client.identity;
     let index = identity.parameter_count;
     let outcome = Outcome::UnknownIndex;
@@ -294,7 +297,7 @@ pub(super) fn unknown(client: &Client, state: State) -> Vec<Exchange> {
     ];
     // The last index of all ends every exchange.
     if index < u8::MAX {
-        let report = ParameterReport { index, outcome, value: ParameterValue::U32(0), state };
+        let report = reported(index, outcome, ParameterValue::U32(0), state);
         unknown.push((GetParameter { index }.into(), report.into()));
         unknown.push((DescribeParameter { index }.into(), report.into()));
     }

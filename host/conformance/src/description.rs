@@ -3,23 +3,26 @@
 use std::collections::HashSet;
 use std::fmt::Display;
 
-use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
-use lashloop_protocol::limits::{MAX_LAWS, MAX_SIGNALS};
-use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::limits::{
+    FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MAX_LAWS, MAX_SIGNALS, OUTCOME_NAMES, STATE_NAMES,
+};
+use lashloop_protocol::message::{
+    ChoiceDescription, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity,
+};
+use lashloop_protocol::parameter_names::CONTROLLER;
+use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use lashloop_session::{Description, LawMask, Parameter};
 
 use super::assertion::{Failure, RuleResult, broken, equal, expect};
-use super::burst::{Exchange, result};
 use super::check::{Check, check};
-use super::client::{CONTROLLER, Client};
-use super::range::neighbour;
+use super::client::Client;
+use super::exchanges::{Exchange, result};
+use super::parameters::foreign_names;
+use super::range::{beyond, neighbour};
 use super::words::Words;
-
-use State::{Armed, Boot, Faulted, Idle, Running};
-
-const STATES: [State; 5] = [Boot, Idle, Armed, Running, Faulted];
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -38,6 +41,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("R10.1 R10.6 R10.8", "names of laws, signals and choices are unique and not empty", |client| {
             let it = &client.description;
+            client.note = foreign_names(it.signals.iter().map(|it| &*it.signal.name));
             unique("law", it.laws.iter().map(|law| &law.name))?;
             unique("signal", it.signals.iter().map(|signal| &signal.signal.name))?;
             it.parameters.iter().try_for_each(|parameter| {
@@ -76,7 +80,7 @@ pub(super) fn checks() -> Vec<Check> {
         check(
             "R4.1 R4.7 R6.2 R10.10",
             "an unknown law, signal or choice is answered with UnknownIndex in every state",
-            |client| STATES.into_iter().try_for_each(|state| unknown_in(client, state)),
+            |client| State::ALL.iter().try_for_each(|state| unknown_in(client, *state)),
         ),
     ]
 }
@@ -104,6 +108,16 @@ fn controller(client: &mut Client) -> RuleResult {
     equal("choices of controller", laws, choices)
 }
 
+/// Values that every drive has: a state, an outcome, a fault, a flag, and a kind of each direction.
+const OF_EVERY_DRIVE: [(u8, u8); 6] = [
+    (STATE_NAMES, State::Idle.byte()),
+    (OUTCOME_NAMES, Outcome::Accepted.byte()),
+    (FAULT_NAMES, FaultCode::EmergencyStop.byte()),
+    (FLAG_NAMES, TorqueFlags::REPEATED.bits()),
+    (KIND_NAMES, DescribeChoice::LAYOUT.kind),
+    (KIND_NAMES, ChoiceDescription::LAYOUT.kind),
+];
+
 /// A request for each description.
 fn requests(client: &Client) -> Vec<HostMessage> {
     let identity = &client.identity;
@@ -115,7 +129,8 @@ fn requests(client: &Client) -> Vec<HostMessage> {
             .iter()
             .map(|choice| DescribeChoice { parameter: it.index, choice: choice.value as u8 }.into())
     });
-    laws.chain(signals).chain(parameters).chain(choices).collect()
+    let own = OF_EVERY_DRIVE.map(|(parameter, choice)| DescribeChoice { parameter, choice }.into());
+    laws.chain(signals).chain(parameters).chain(choices).chain(own).collect()
 }
 
 /// Each description with its request, which must have the same index.
@@ -135,10 +150,7 @@ fn described(client: &mut Client) -> Result<Vec<Exchange>, Failure> {
             _ => false,
         };
         if !fits {
-            return Err(broken(
-                format!("the description for {}", super::burst::described(request)),
-                answer.words(),
-            ));
+            return Err(broken(format!("the description for {}", request.words()), answer.words()));
         }
     }
     Ok(requests.into_iter().zip(answers).collect())
@@ -149,8 +161,8 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     let mut reversed = before.clone();
     reversed.reverse();
     // The first reading is that of `Boot`.
-    let count = client.repetitions(STATES.len() - 1);
-    for (place, state) in STATES.into_iter().enumerate().skip(STATES.len() - count) {
+    let count = client.repetitions(State::ALL.len() - 1);
+    for (place, &state) in State::ALL.iter().enumerate().skip(State::ALL.len() - count) {
         client.reset()?;
         client.enter(state)?;
         let order = if place % 2 == 0 { &reversed } else { &before };
@@ -166,23 +178,22 @@ fn with_other_settings(client: &mut Client) -> RuleResult {
     for it in &parameters {
         client.put(&it.name, neighbour(it))?;
     }
-    client.exchange("after every parameter was set", &before)?;
     client.handshake(client.session ^ 1)?;
-    client.exchange("in another session", &before)
+    client.exchange("after every parameter was set, in another session", &before)
 }
 
 fn unknown_in(client: &mut Client, state: State) -> RuleResult {
     client.reset()?;
     client.enter(state)?;
-    let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
+    let Identity { law_count, signal_count, parameter_count, .. } = client.identity;
+    let outcome = Outcome::UnknownIndex;
     let mut exchanges: Vec<Exchange> = Vec::new();
-    for index in [laws, u8::MAX] {
-        exchanges.push(result(DescribeLaw { index }, Outcome::UnknownIndex, state));
-    }
-    for index in [signals, u8::MAX] {
-        exchanges.push(result(DescribeSignal { index }, Outcome::UnknownIndex, state));
-    }
-    let mut unknown = vec![(client.identity.parameter_count, 0), (u8::MAX, 0), (u8::MAX, u8::MAX)];
+    let [laws, signals] = [law_count, signal_count].map(|count| beyond(client, count, u8::MAX));
+    exchanges.extend(laws.into_iter().map(|index| result(DescribeLaw { index }, outcome, state)));
+    exchanges.extend(signals.into_iter().map(|index| result(DescribeSignal { index }, outcome, state)));
+    // From 251 on an index is that of a list.
+    let parameters = beyond(client, parameter_count, KIND_NAMES - 1);
+    let mut unknown: Vec<_> = parameters.into_iter().flat_map(|index| [(index, 0), (index, 1)]).collect();
     for it in &client.description.parameters {
         match (it.min, it.max) {
             (ParameterValue::U32(min), ParameterValue::U32(max)) if !it.choices.is_empty() => {
@@ -193,9 +204,9 @@ fn unknown_in(client: &mut Client, state: State) -> RuleResult {
             _ => unknown.push((it.index, 0)),
         }
     }
-    let choices = unknown.into_iter().map(|(parameter, choice)| {
-        result(DescribeChoice { parameter, choice }, Outcome::UnknownIndex, state)
-    });
+    let choices = unknown
+        .into_iter()
+        .map(|(parameter, choice)| result(DescribeChoice { parameter, choice }, outcome, state));
     exchanges.extend(choices);
     client.exchange(&format!("in {state:?}"), &exchanges)
 }

@@ -2,13 +2,16 @@
 
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::limits::MAX_PARAMETERS;
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, Identity};
 
-use super::answers::{hello, identity, other, outcome};
+use super::answers::{hello, identity, of_version, other, outcome};
 use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
+use super::exchanges::result;
 use super::sessions;
+use super::words::Words;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -20,29 +23,24 @@ pub(super) fn checks() -> Vec<Check> {
             "another version is refused, and the identity carries the drive's own",
             other_version,
         ),
-        check("R6.7 R12.1 R14.2", "a Hello of another version opens no session", |client| {
-            let session = client.session;
-            client.request(other(session))?;
-            equal("Arm", (Outcome::WrongSession, State::Boot), client.command(Arm { session })?)?;
-            client.idle()?;
-            client.request(other(session ^ 1))?;
-            equal(
-                "Arm of it",
-                (Outcome::WrongSession, State::Idle),
-                client.command(Arm { session: session ^ 1 })?,
-            )?;
-            equal("Arm", (Outcome::Accepted, State::Armed), client.command(Arm { session })?)
-        }),
+        check("R6.7 R12.1 R14.2", "a Hello of another version opens no session", no_session),
     ];
     checks.extend(sessions::checks());
     checks
 }
+
+const OTHER_VERSIONS: [u8; 4] = [0, PROTOCOL_VERSION.wrapping_add(1), 1 << 7, u8::MAX];
 
 fn fields(client: &mut Client) -> RuleResult {
     let it = client.handshake(client.session)?;
     equal("protocol version", PROTOCOL_VERSION, it.protocol_version)?;
     expect((1..=16).contains(&it.law_count), "law_count of 1 to 16", it.law_count)?;
     expect(it.signal_count <= 32, "signal_count of 0 to 32", it.signal_count)?;
+    expect(
+        usize::from(it.parameter_count) <= MAX_PARAMETERS,
+        "parameter_count of 0 to 240",
+        it.parameter_count,
+    )?;
     expect(it.dirty <= 1, "dirty of 0 or 1", it.dirty)
 }
 
@@ -60,7 +58,7 @@ fn fixed(it: Identity) -> Identity {
 
 fn constant(client: &mut Client) -> RuleResult {
     let wanted = fixed(client.identity);
-    for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {
+    for &state in State::ALL {
         client.reset()?;
         client.enter(state)?;
         for request in [other(client.session), hello(client.session).into(), hello(client.session ^ 1).into()]
@@ -79,7 +77,6 @@ fn constant(client: &mut Client) -> RuleResult {
 }
 
 fn text(it: Identity) -> String {
-    use super::words::Words;
     lashloop_protocol::DriveMessage::from(it).words()
 }
 
@@ -88,6 +85,7 @@ fn whole(value: ParameterValue) -> Option<u32> {
     match value {
         ParameterValue::U32(value) => Some(value),
         ParameterValue::F32(value) => (value.fract() == 0.0).then_some(value as u32),
+        ParameterValue::Unknown { .. } => None,
     }
 }
 
@@ -112,7 +110,7 @@ fn settings(client: &mut Client) -> RuleResult {
 const NAMES: [&str; 3] = ["period_us", "motor_counts_per_rev", "load_counts_per_rev"];
 
 /// Sets period and counts per revolution of motor and load to the nearest numbers in range.
-pub(super) fn put(client: &mut Client, wished: [u32; 3]) -> RuleResult {
+fn put(client: &mut Client, wished: [u32; 3]) -> RuleResult {
     use super::range::nearest_whole;
     for (name, wished) in NAMES.into_iter().zip(wished) {
         let value = nearest_whole(client.parameter(name)?, wished)?;
@@ -134,10 +132,25 @@ fn in_identity(client: &mut Client, when: &str) -> RuleResult {
     Ok(())
 }
 
+fn no_session(client: &mut Client) -> RuleResult {
+    let session = client.session;
+    for protocol_version in OTHER_VERSIONS {
+        client.reset()?;
+        client.request(of_version(protocol_version, session))?;
+        let when = format!("after a Hello of version {protocol_version}");
+        client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, State::Boot)])?;
+        client.idle()?;
+        client.burst(&[of_version(protocol_version, session ^ 1).into(); 2])?;
+        let stale = result(Arm { session: session ^ 1 }, Outcome::WrongSession, State::Idle);
+        client.exchange(&when, &[stale, result(Arm { session }, Outcome::Accepted, State::Armed)])?;
+    }
+    Ok(())
+}
+
 fn other_version(client: &mut Client) -> Result<(), Failure> {
-    for protocol_version in [PROTOCOL_VERSION.wrapping_add(1), 0, u8::MAX] {
+    for protocol_version in OTHER_VERSIONS {
         for session in [client.session, 0, u32::MAX] {
-            let answers = client.request(Hello { protocol_version, session })?;
+            let answers = client.request(of_version(protocol_version, session))?;
             equal("answers", vec!["Identity", "CommandResult"], names(&answers))?;
             let it = identity(&answers)?;
             equal("version and session", (PROTOCOL_VERSION, session), (it.protocol_version, it.session))?;

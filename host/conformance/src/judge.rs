@@ -21,6 +21,22 @@ const MOST_SILENT_CHECKS: u32 = 3;
 /// Attempts of a check that a drive or a bench that stands still may spoil.
 pub(super) const ATTEMPTS: u32 = 3;
 
+/// Most characters of a text, whatever a drive sends.
+const LONGEST_TEXT: usize = 600;
+
+fn short(mut text: String) -> String {
+    if let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) {
+        let end = text[..end].char_indices().rev().nth(2).map_or(0, |(place, _)| place);
+        text.truncate(end);
+        text.push_str("...");
+    }
+    text
+}
+
+fn failed(expected: String, got: String) -> CheckStatus {
+    CheckStatus::Failed { expected: short(expected), got: short(got) }
+}
+
 /// What earlier checks mean for the next one.
 pub(super) struct Judge {
     /// When the time for all checks ends, but for the time for which the drive's program waits for a core.
@@ -69,17 +85,18 @@ impl Judge {
         }
         let status = match ended {
             Ok(()) => CheckStatus::Passed,
-            Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
+            Err(Failure::Rule { expected, got }) => failed(expected, got),
             Err(Failure::Preparation { what, expected, got }) => self.unprepared(&name, what, expected, got),
             Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
-            Err(Failure::NotJudged { cause }) => CheckStatus::NotJudged { cause },
+            Err(Failure::NotJudged { cause }) => CheckStatus::NotJudged { cause: short(cause) },
             Err(Failure::Session(error)) => return Err(error),
         };
         // What ends a check early may leave answers on their way.
         client.is_unsettled |=
             matches!(status, CheckStatus::Failed { .. } | CheckStatus::NotJudged { .. }) && self.is_made;
         let took = client.line.now().saturating_duration_since(started);
-        Ok(CheckResult { group, rules, name, status, note: std::mem::take(&mut client.note), took })
+        let note = short(std::mem::take(&mut client.note));
+        Ok(CheckResult { group, rules, name, status, note, took })
     }
 
     fn attempt(&mut self, client: &mut Client, run: &dyn Fn(&mut Client) -> RuleResult) -> RuleResult {
@@ -102,11 +119,13 @@ impl Judge {
     /// The first check that meets a failed preparation reports it.
     fn unprepared(&mut self, name: &str, what: String, expected: String, got: String) -> CheckStatus {
         match self.failed_preparations.get(&what) {
-            Some(reported_by) => CheckStatus::NotJudged { cause: format!("{what}, see \"{reported_by}\"") },
+            Some(reported_by) => {
+                CheckStatus::NotJudged { cause: short(format!("{what}, see \"{reported_by}\"")) }
+            }
             None => {
                 let expected = format!("{what} before the check: {expected}");
                 self.failed_preparations.insert(what, name.to_owned());
-                CheckStatus::Failed { expected, got }
+                failed(expected, got)
             }
         }
     }

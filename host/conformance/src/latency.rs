@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
+use lashloop_protocol::HostMessage;
 use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
 use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::answers::{hello, sample};
-use super::assertion::{Failure, broken, expect};
+use super::assertion::{Failure, equal, expect, names};
 use super::check::{Check, check};
-use super::client::{Client, REQUEST_LIMIT};
+use super::client::Client;
 
 /// Latency limit. A drive needs some 100 us; the limit leaves time for an emulator on a busy machine, so that only a hung
 /// drive exceeds it.
@@ -47,12 +47,9 @@ fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> Ho
 }
 
 fn round_trip(client: &mut Client, request: HostMessage, answer: &str) -> Result<Duration, Failure> {
-    use lashloop_protocol::Message;
     let sent = client.line.now();
-    client.line.send(&request)?;
-    let got = client
-        .wait_for(REQUEST_LIMIT, |message: &DriveMessage| (message.layout().name == answer).then_some(()))?;
+    let answers = client.request_to(request, answer)?;
     let waited = client.line.now().saturating_duration_since(sent);
-    let limit_s = LIMIT.as_secs();
-    got.map(|()| waited).ok_or_else(|| broken(format!("{answer} within {limit_s} s"), "none"))
+    equal("answer", vec![answer], names(&answers))?;
+    Ok(waited)
 }

@@ -2,6 +2,7 @@
 //!
 //! | module | checks |
 //! |---|---|
+//! | `burst` | several requests in one write |
 //! | `handshake` | identity, sessions, versions |
 //! | `transitions` | every request in every state |
 //! | `description` | laws, signals and choices |
@@ -11,11 +12,16 @@
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
-//! | `walk` | a long session through all states, with every request in each |
 //! | `aftermath` | what earlier messages and runs leave behind |
+//! | `growth` | requests, bodies and values of a newer host, numbers, names |
+//! | `pins` | the options: bench mode and boot loader, as far as they need no hardware |
 //! | `line` | the line report |
 //! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
+//! | `endurance` | silence, long watchdogs, large counts |
+//!
+//! `arrivals` checks every message that arrives: each answer has the number of a request that waits, in the order of the requests,
+//! and device time doesn't run backwards.
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
 //! was just reset: no result depends on another check. After each request the client sends a second one with a known answer. A
@@ -31,6 +37,7 @@
 
 mod aftermath;
 mod answers;
+mod arrivals;
 mod assertion;
 mod burst;
 mod check;
@@ -39,16 +46,21 @@ mod constancy;
 mod damage;
 mod description;
 mod encoders;
+mod endurance;
+mod exchanges;
+mod growth;
 mod handshake;
 mod judge;
 mod latency;
 mod line;
 mod parameters;
+mod pins;
 mod profile_pd;
 mod range;
 mod reactions;
 mod receiver;
 mod repetition;
+mod requests;
 mod result;
 mod safety;
 mod samples;
@@ -58,8 +70,8 @@ mod telemetry;
 mod time_up;
 mod transitions;
 pub mod unchecked;
-mod walk;
 mod words;
+mod writes;
 
 use lashloop_protocol::message::Identity;
 
@@ -134,6 +146,7 @@ pub fn list() -> impl Iterator<Item = Listed> {
 /// All checks, in order, each with the name of its group.
 fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
     let groups = [
+        ("burst", burst::checks()),
         ("handshake", handshake::checks()),
         ("transitions", transitions::checks()),
         ("description", description::checks()),
@@ -143,11 +156,13 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
-        ("walk", walk::checks()),
         ("aftermath", aftermath::checks()),
+        ("growth", growth::checks()),
+        ("pins", pins::checks()),
         ("line", line::checks()),
         ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),
+        ("endurance", endurance::checks()),
     ];
     groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))
 }

@@ -2,12 +2,13 @@
 
 use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::answers::torque;
 use super::assertion::{Failure, RuleResult, equal, expect, skip};
 use super::check::{Check, check};
-use super::client::{CONTROLLER, Client};
+use super::client::Client;
 use super::range::{holds, in_type_of};
 
 /// Name of the law.

@@ -1,10 +1,24 @@
 //! The ranges of parameters, as the drive describes them.
 
-use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::enums::{ParameterType, ParameterValue};
 use lashloop_session::Parameter;
 
 use super::assertion::{Failure, broken, preparation};
+use super::client::Client;
 use super::words::Words;
+
+/// Bytes of types without a name.
+const UNKNOWN_TYPES: [u8; 3] = [3, 0x81, u8::MAX];
+
+/// Most indices that a drive does not have of those that are tried, but for the last.
+const MOST_UNKNOWN: usize = 11;
+
+/// Indices that a drive does not have, spread from its count of them to the last.
+pub(super) fn beyond(client: &Client, count: u8, last: u8) -> Vec<u8> {
+    let free = usize::from(last.saturating_sub(count)) + 1;
+    let step = free.div_ceil(client.repetitions(MOST_UNKNOWN));
+    (count..=last).step_by(step).chain([last]).filter(|index| *index >= count).collect()
+}
 
 /// Whether a value has the type of a parameter and lies within its range.
 pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
@@ -67,13 +81,19 @@ pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
     }
 }
 
-/// The number and the bits of the default, as the other type.
-pub(super) fn of_other_type(parameter: &Parameter) -> [ParameterValue; 2] {
-    use ParameterValue::{F32, U32};
-    match parameter.default {
-        U32(value) => [F32(value as f32), F32(f32::from_bits(value))],
-        F32(value) => [U32(value as u32), U32(value.to_bits())],
-    }
+/// The number and the bits of the default as the other type, and its bits as types that no parameter has.
+pub(super) fn of_other_type(parameter: &Parameter) -> Vec<ParameterValue> {
+    use ParameterValue::{F32, U32, Unknown};
+    let (mut values, bits) = match parameter.default {
+        U32(value) => (vec![F32(value as f32), F32(f32::from_bits(value))], value),
+        F32(value) => (vec![U32(value as u32), U32(value.to_bits())], value.to_bits()),
+        Unknown { .. } => (vec![U32(0), F32(0.0)], 0),
+    };
+    values.extend(UNKNOWN_TYPES.into_iter().filter_map(|byte| match ParameterType::from_byte(byte) {
+        Some(ParameterType::Unknown(ty)) => Some(Unknown { ty, bytes: bits.to_le_bytes() }),
+        _ => None,
+    }));
+    values
 }
 
 /// A value next to the default; the default if the range holds no other.
@@ -84,6 +104,7 @@ pub(super) fn neighbour(parameter: &Parameter) -> ParameterValue {
         // No denormal number: a floating-point unit may flush it to zero.
         F32(0.0) => [1e-3, -1e-3].map(|value| Some(F32(value))),
         F32(value) => [value.next_up(), value.next_down()].map(|value| Some(F32(value))),
+        ParameterValue::Unknown { .. } => [None, None],
     };
     candidates.into_iter().flatten().find(|value| holds(parameter, *value)).unwrap_or(parameter.default)
 }

@@ -98,13 +98,3 @@ pub(super) fn reported_to(client: &mut Client, session: u32, wanted: FaultReport
     same_report("after the Identity", wanted, fault(&answers)?)?;
     equal("state", State::Faulted, client.state)
 }
-
-/// Requires a `CommandResult` as the only answer, after at least one `Log` that explains it. A log may take several lines.
-pub(super) fn require_log_before_result(what: &str, answers: &[DriveMessage]) -> RuleResult {
-    let got = names(answers);
-    let is_explained = match got.split_first() {
-        Some((&"Log", rest)) => rest.iter().filter(|name| **name != "Log").eq([&"CommandResult"]),
-        _ => false,
-    };
-    expect(is_explained, format!("{what} Log and then CommandResult"), got)
-}

@@ -7,11 +7,13 @@ use std::time::Duration;
 
 use lashloop_protocol::enums::{State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{EmergencyStop, GetParameter, LineReport, Reset, SetParameter, Stop};
+use lashloop_protocol::message::{
+    EmergencyStop, EnterLoader, GetParameter, ParameterReport, Reference, Reset, SetParameter, Stop,
+};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, crc};
 
-use super::answers::{hello, line_report, sample, torque};
+use super::answers::{counted, hello, line_report, sample, torque};
 use super::assertion::{RuleResult, broken, equal, names};
 use super::check::{Check, check};
 use super::client::Client;
@@ -80,7 +82,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R2.4 R2.7", "a frame with another checksum is damaged", |client| {
-            let frames = damage::checksums(&[GetParameter::LAYOUT.kind, 0]);
+            let frames = damage::checksums(&[GetParameter::LAYOUT.kind, 0, 0]);
             counts(client, &frames, frames.len(), 0)
         }),
         check("R2.4 R2.7", "a frame with bad stuffing, or of fewer than 6 bytes, is damaged", |client| {
@@ -101,25 +103,23 @@ pub(super) fn checks() -> Vec<Check> {
             },
         ),
         check("R2.3 R2.5", "63 bytes are a frame, 64 are damaged", |client| {
-            let body = |length: usize| [vec![GetParameter::LAYOUT.kind], vec![0x11; length - 1]].concat();
+            // Of a kind of the drive, so it is refused if it is whole.
+            let body = |length: usize| [vec![ParameterReport::LAYOUT.kind], vec![0x11; length - 1]].concat();
             counts(client, &[framed(&body(MAX_BODY))], 0, 1)?;
             counts(client, &[framed(&body(MAX_BODY + 1)), framed(&body(MAX_BODY + 2))], 2, 0)?;
             // Whole up to its 63rd byte.
             let whole = framed(&body(MAX_BODY));
             counts(client, &[[&whole[..whole.len() - 1], &[0x11, DELIMITER]].concat()], 1, 0)
         }),
-        check("R2.5 R2.7", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
+        check("R2.5 R2.7", "a frame of a kind that no host sends is refused", |client| {
             let frames = foreign();
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2.5 R2.7", "a request that is too long or too short is refused", |client| {
-            let frames = wrong_lengths(client.session);
+        check("R2.5 R2.7", "a request that is too short is refused", |client| {
+            let frames = too_short(client.session);
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2.5 R3.1 R5.1", "a value of a type without a name is refused", |client| {
-            let frames = wrong_types();
-            counts(client, &frames, 0, frames.len())
-        }),
+        check("R2.5 R3.1 R5.1", "a value of type 0 is refused", |client| counts(client, &[no_type()], 0, 1)),
         check("R2.6", "no damaged or refused frame changes anything", no_effect),
     ]
 }
@@ -129,14 +129,15 @@ fn effective(session: u32) -> [HostMessage; 5] {
     [Stop {}.into(), EmergencyStop {}.into(), Reset {}.into(), hello(session ^ 1).into(), sample(0).into()]
 }
 
-/// Every request of [`effective`] with a bad checksum, and too long by a byte, each before the next sample of a run.
+/// Every request of [`effective`] with a bad checksum, too short by a byte, and as of the drive, each before the next sample of a
+/// run.
 fn no_effect(client: &mut Client) -> RuleResult {
     client.running(&[])?;
     for (sequence, message) in (0..).zip(effective(client.session)) {
         let body = damage::body(&message.frame());
-        let longer = framed(&[&body[..], &[0]].concat());
+        let of_drive = [&[body[0] | 0x80], &body[1..]].concat();
         let mut bytes = damage::checksums(&body).concat();
-        bytes.extend(longer);
+        bytes.extend([framed(&body[..body.len() - 1]), framed(&of_drive)].concat());
         let answers =
             client.request_bytes(&[&bytes, &*HostMessage::from(sample(sequence)).frame()].concat())?;
         let after = format!(
@@ -160,16 +161,16 @@ pub(super) fn framed(body: &[u8]) -> Vec<u8> {
     damage::stuffed(&[body, &crc::checksum(body).to_le_bytes()].concat())
 }
 
-/// Whole frames of kinds that no host sends: a message of each kind of the drive, and kinds without a message.
+/// Whole frames of kinds that no host sends: those of the drive, those without a message too, and the two that nobody sends.
 pub(super) fn foreign() -> Vec<Vec<u8>> {
     let of_drive = DriveMessage::LAYOUTS.iter().map(|layout| {
         let mut body = vec![1; layout.shortest_body_len()];
         body[0] = layout.kind;
         framed(&body)
     });
-    let unknown = [0x00, 0x0f, 0x13, 0x7f, 0x80, 0x84, 0xff].into_iter().flat_map(|kind| {
-        // As long as `Stop`, as `Arm`, and as the longest body.
-        [1, 5, MAX_BODY].map(|length| framed(&[vec![kind], vec![1; length - 1]].concat()))
+    let unknown = [0x00, 0x80, 0x8c, 0x9e, 0xff].into_iter().flat_map(|kind| {
+        // As the kind alone, as long as `Arm`, and as the longest body.
+        [1, 6, MAX_BODY].map(|length| framed(&[vec![kind], vec![1; length - 1]].concat()))
     });
     // As long as the request whose kind differs in the highest bit only.
     let mirrored = HostMessage::LAYOUTS.iter().map(|layout| {
@@ -195,28 +196,27 @@ pub(super) fn damaged() -> Vec<Vec<u8>> {
 
 /// Whole frames of every kind that isn't a request.
 pub(super) fn refused(session: u32) -> Vec<Vec<u8>> {
-    [foreign(), wrong_lengths(session), wrong_types()].concat()
+    [foreign(), too_short(session), vec![no_type()]].concat()
 }
 
-/// `SetParameter` with a byte of no type.
-fn wrong_types() -> Vec<Vec<u8>> {
-    [0, 3, 4, 0x81, 0xff].map(|ty| framed(&[SetParameter::LAYOUT.kind, 0, ty, 0, 0, 0, 0])).to_vec()
+/// `SetParameter` of a value of no type.
+fn no_type() -> Vec<u8> {
+    framed(&[SetParameter::LAYOUT.kind, 0, 0, 0, 0, 0, 0, 0])
 }
 
-/// A request of each kind with its body a byte longer, a byte shorter, and much longer. A body of no byte is damaged.
-fn wrong_lengths(session: u32) -> Vec<Vec<u8>> {
+/// Requests of each kind that every drive has, with fewer bytes: the kind alone, with a number, and but for the last byte.
+fn too_short(session: u32) -> Vec<Vec<u8>> {
     let mut frames = Vec::new();
     for layout in HostMessage::LAYOUTS {
-        let mut body = vec![0; layout.body_len + 8];
-        body[0] = layout.kind;
-        if body.len() > 5 {
-            body[1..5].copy_from_slice(&session.to_le_bytes());
+        if [Reference::LAYOUT.kind, EnterLoader::LAYOUT.kind].contains(&layout.kind) {
+            continue;
         }
-        for length in [layout.body_len + 1, layout.body_len + 8, layout.body_len - 1] {
-            if length > 0 {
-                frames.push(framed(&body[..length]));
-            }
-        }
+        let mut body = [&[layout.kind, 0][..], &session.to_le_bytes(), &[0; MAX_BODY]].concat();
+        body.truncate(layout.body_len - 1);
+        frames.extend(
+            [1, 2].into_iter().filter(|length| *length < body.len()).map(|length| framed(&body[..length])),
+        );
+        frames.push(framed(&body));
     }
     frames
 }
@@ -235,29 +235,15 @@ fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     Err(broken(format!("a ParameterReport for each of {indices}, and nothing else"), answers.words()))
 }
 
-/// Sends frames, many in one write.
-pub(super) fn send<F: AsRef<[u8]>>(client: &mut Client, frames: &[F]) -> RuleResult {
-    /// Bytes of one write.
-    const WRITE: usize = 512;
-    let mut bytes = Vec::new();
-    for frame in frames {
-        bytes.extend(frame.as_ref());
-        if bytes.len() > WRITE {
-            client.send_bytes(&bytes)?;
-            bytes.clear();
-        }
-    }
-    client.send_bytes(&bytes)
-}
-
 /// Sends frames in a run of their own, and requires no answer and these counts in the report.
 fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, refused: usize) -> RuleResult {
     client.running(&[])?;
-    send(client, frames)?;
+    let bytes: Vec<u8> = frames.iter().flat_map(|frame| frame.as_ref().to_vec()).collect();
+    client.send_bytes(&bytes)?;
     let answers = client.request(Stop {})?;
     let kinds = vec!["LineReport", "CommandResult"];
     equal("answers to these frames and to Stop", kinds, names(&answers))?;
     // The marker after Start, and Stop.
     let [damaged, refused] = [damaged, refused].map(|count| count as u32);
-    equal("report", LineReport { messages: 2, damaged, refused, overruns: 0 }, line_report(&answers)?)
+    equal("report", counted(2, damaged, refused), line_report(&answers)?)
 }

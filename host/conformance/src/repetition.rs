@@ -4,16 +4,17 @@ use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, FaultReport, Reset, Start, Stop, Subscribe,
+    Arm, ClearFault, EmergencyStop, EncoderSample, Reset, Start, Stop, Subscribe,
 };
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
+use lashloop_protocol::parameter_names::CONTROLLER;
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
-use super::answers::{fault, hello, identity, line_report, sample, torque};
+use super::answers::{fault, hello, identity, latched, line_report, sample, torque};
 use super::assertion::{RuleResult, broken, equal, names};
-use super::burst::{reads, result, sets};
 use super::check::{Check, check};
-use super::client::{CONTROLLER, Client};
-use super::constancy::{COPIES, forget_time, unknown};
+use super::client::Client;
+use super::constancy::{COPIES, forget_time, unknown_indices};
+use super::exchanges::{reads, result, sets};
 use super::receiver;
 use super::telemetry::subscription::{law_signals, signals};
 use super::words::Words;
@@ -42,7 +43,7 @@ pub(super) fn checks() -> Vec<Check> {
 /// Each as the first request and the first answer of its kind after a `Reset`.
 fn first_requests(client: &mut Client) -> RuleResult {
     let session = client.session;
-    let mut exchanges = unknown(client, Boot);
+    let mut exchanges = unknown_indices(client, Boot);
     exchanges.extend([
         result(Subscribe { signals: 0, every: 0 }, Outcome::WrongState, Boot),
         result(Arm { session }, Outcome::WrongSession, Boot),
@@ -57,8 +58,10 @@ fn first_requests(client: &mut Client) -> RuleResult {
         client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
     }
     for frames in [receiver::damaged(), receiver::foreign()].concat().chunks(RESETS) {
-        let reset = HostMessage::from(Reset {}).frame();
-        let bytes: Vec<u8> = frames.iter().flat_map(|frame| [&*reset, frame].concat()).collect();
+        let mut bytes = Vec::new();
+        for frame in frames {
+            bytes.extend([&*client.frame(Reset {}), frame].concat());
+        }
         let answers = client.request_bytes(&bytes)?;
         let kinds = vec!["CommandResult"; frames.len()];
         equal("answers to a Reset before each of some frames that aren't requests", kinds, names(&answers))?;
@@ -148,7 +151,7 @@ fn one_fault(client: &mut Client, number: u16, with_telemetry: bool) -> RuleResu
         true => (FaultCode::ReferenceNotFinite, f32::NEG_INFINITY),
     };
     let sequence = if by_sample { count } else { count.saturating_sub(1) };
-    let wanted = FaultReport { code, sequence, value, limit: 0.0, detail: 0 };
+    let wanted = latched(code, sequence, value);
     let answers = client.burst(&requests)?;
     let mut kinds = vec!["CommandResult"; 2];
     let of_sample: &[_] = if with_telemetry { &["TorqueAnswer", "Telemetry"] } else { &["TorqueAnswer"] };
@@ -163,7 +166,7 @@ fn one_fault(client: &mut Client, number: u16, with_telemetry: bool) -> RuleResu
         }
     }
     equal(&format!("{what}: state"), Faulted, client.state)?;
-    let own = FaultReport { code: FaultCode::EmergencyStop, sequence, value: 0.0, limit: 0.0, detail: 0 };
+    let own = latched(FaultCode::EmergencyStop, sequence, 0.0);
     equal(&format!("{what}, then EmergencyStop"), own, fault(&client.request(EmergencyStop {})?)?)?;
     let answers = client.request(hello(session))?;
     equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;

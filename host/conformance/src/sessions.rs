@@ -4,16 +4,16 @@ use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    EncoderSample, FaultReport, GetParameter, Identity, Reset, SetParameter, Start, Stop, Subscribe,
+    EncoderSample, GetParameter, Identity, Reset, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::WATCHDOG_US;
 
 use super::answers::other;
-use super::answers::{fault, hello, identity, sample, torque};
+use super::answers::{fault, hello, identity, latched, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, names};
-use super::burst::result;
 use super::check::{Check, check};
 use super::client::Client;
+use super::exchanges::result;
 use super::reactions::no_torque;
 use super::states::LONG_WATCHDOG_US;
 
@@ -55,7 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
         check(
             "R4.13 R8.2 R8.3 R8.4",
             "the report of a latched fault follows every Identity, unchanged",
-            latched,
+            report_of_latched,
         ),
         check(
             "R6.3 R6.7 R12.3 R12.5",
@@ -140,14 +140,14 @@ fn before_handshake(client: &mut Client) -> RuleResult {
     client.exchange("after a Hello in Faulted", &[result(ClearFault {}, Accepted, Idle)])
 }
 
-fn latched(client: &mut Client) -> RuleResult {
+fn report_of_latched(client: &mut Client) -> RuleResult {
     client.running(&[])?;
     client.torque(0)?;
     client.torque(1)?;
     let answers = client.request(EncoderSample { reference_rad: f32::NEG_INFINITY, ..sample(2) })?;
     let wanted = fault(&answers)?;
     equal("code and sequence", (FaultCode::ReferenceNotFinite, 2), (wanted.code, wanted.sequence))?;
-    let own = FaultReport { code: FaultCode::EmergencyStop, sequence: 2, value: 0.0, limit: 0.0, detail: 0 };
+    let own = latched(FaultCode::EmergencyStop, 2, 0.0);
     equal("report of an EmergencyStop in Faulted", own, fault(&client.request(EmergencyStop {})?)?)?;
     client.request(Stop {})?;
     client.sample(3)?;

@@ -16,9 +16,10 @@ impl Client {
     /// Resets the drive from any state.
     pub(super) fn reset(&mut self) -> RuleResult {
         // Discards late answers to the previous check, and ends its partial frame.
-        self.line.clear()?;
-        self.settle()?;
-        self.prepare(Reset {}, State::Boot)
+        self.forget()?;
+        let done = self.prepare(Reset {}, State::Boot);
+        self.arrivals.skips_late = false;
+        done
     }
 
     /// Opens the session of this run.
@@ -92,7 +93,7 @@ impl Client {
     /// Brings a drive from `Boot` into this state.
     pub(super) fn enter(&mut self, state: State) -> RuleResult {
         match state {
-            State::Boot => Ok(()),
+            State::Boot | State::Unknown(_) => Ok(()),
             State::Idle => self.idle(),
             State::Armed => self.armed(),
             State::Running => self.running(&[]),

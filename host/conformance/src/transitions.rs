@@ -2,11 +2,11 @@
 
 use lashloop_protocol::enums::{Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Start, Stop, Subscribe,
+    Arm, ClearFault, EmergencyStop, EncoderSample, Reset, Start, Stop, Subscribe,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::answers::{hello, outcome, torque};
+use super::answers::{hello, other, outcome, torque};
 use super::assertion::{RuleResult, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
@@ -22,7 +22,6 @@ enum Reaction {
 use Reaction::{Refused, To};
 use State::{Armed, Boot, Faulted, Idle, Running};
 
-const STATES: [State; 5] = [Boot, Idle, Armed, Running, Faulted];
 const WRONG: Reaction = Refused(Outcome::WrongState);
 const STALE: Reaction = Refused(Outcome::WrongSession);
 const OTHER: Reaction = Refused(Outcome::VersionMismatch);
@@ -34,8 +33,8 @@ struct Row {
     request: fn(u32) -> HostMessage,
     /// Names of the answers; the report of a latched fault follows an `Identity`.
     answers: &'static [&'static str],
-    /// In the order of [`STATES`].
-    reactions: [Reaction; STATES.len()],
+    /// In the order of [`State::ALL`].
+    reactions: [Reaction; 5],
 }
 
 const RESULT: &[&str] = &["CommandResult"];
@@ -55,9 +54,7 @@ const ROWS: [Row; 12] = [
     },
     Row {
         name: "Hello of another version is refused as VersionMismatch in every state",
-        request: |session| {
-            Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session: session ^ 1 }.into()
-        },
+        request: |session| other(session ^ 1),
         answers: &["Identity", "CommandResult"],
         reactions: [OTHER; 5],
     },
@@ -119,8 +116,8 @@ const ROWS: [Row; 12] = [
 
 pub(super) fn checks() -> Vec<Check> {
     let rows = ROWS.into_iter().map(|row| {
-        check("R4.1 R4.7 R6.1 R6.2 R6.3 R12.5", row.name, move |client| {
-            for (state, reaction) in STATES.into_iter().zip(row.reactions) {
+        check("R4.1 R4.7 R5.3 R6.1 R6.2 R6.3 R12.5", row.name, move |client| {
+            for (&state, reaction) in State::ALL.iter().zip(row.reactions) {
                 client.reset()?;
                 client.enter(state)?;
                 cell(client, &row, state, reaction)?;
@@ -153,7 +150,10 @@ fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> Rul
                 )?;
                 (wanted, it.state)
             }
-            DriveMessage::CommandResult(it) => (it.outcome, it.state),
+            DriveMessage::CommandResult(it) => {
+                equal(&format!("in {state:?}, detail"), 0, it.detail)?;
+                (it.outcome, it.state)
+            }
             _ => continue,
         };
         equal(&format!("in {state:?}, outcome and state"), (wanted, after), got)?;

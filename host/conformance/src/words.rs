@@ -8,6 +8,10 @@ use lashloop_protocol::layout::{FieldLayout, UNITS};
 use lashloop_protocol::message::{CommandResult, FaultReport, LineReport, ParameterReport, TorqueAnswer};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, frame};
 
+/// Most elements of a list that is shown whole, and how many are shown of a longer one.
+const MOST_WORDS: usize = 20;
+const FIRST_WORDS: usize = 5;
+
 /// A value as text for people.
 pub(super) trait Words {
     fn words(&self) -> String;
@@ -24,6 +28,8 @@ macro_rules! displayed {
 }
 
 displayed!(u8, u16, u32, u64, i32, i64, usize);
+// With the names of the specification's lists.
+displayed!(State, Outcome, FaultCode, ParameterType);
 
 /// Nine digits distinguish any two values of binary32.
 impl Words for f64 {
@@ -51,6 +57,7 @@ impl Words for ParameterValue {
         match self {
             Self::U32(value) => value.words(),
             Self::F32(value) => value.words(),
+            Self::Unknown { ty, .. } => format!("{self} of the type {}", ty.get()),
         }
     }
 }
@@ -65,19 +72,6 @@ impl Words for Bits {
         if value.is_nan() { format!("NaN (bits {:#010x})", self.0) } else { value.words() }
     }
 }
-
-/// The variants have the names of the specification's lists.
-macro_rules! named {
-    ($($ty:ty),+) => {
-        $(impl Words for $ty {
-            fn words(&self) -> String {
-                format!("{self:?}")
-            }
-        })+
-    };
-}
-
-named!(State, Outcome, FaultCode, ParameterType);
 
 impl Words for bool {
     fn words(&self) -> String {
@@ -136,7 +130,9 @@ impl<T: Words> Words for [T] {
         if self.is_empty() {
             return "nothing".to_owned();
         }
-        self.iter().map(T::words).collect::<Vec<_>>().join(", ")
+        let shown = if self.len() > MOST_WORDS { FIRST_WORDS } else { self.len() };
+        let words = self.iter().take(shown).map(T::words).collect::<Vec<_>>().join(", ");
+        if shown < self.len() { format!("{words} and so on, {} in all", self.len()) } else { words }
     }
 }
 
@@ -171,16 +167,26 @@ tuples! {
 }
 
 /// Name and all fields, as `TorqueAnswer with sequence 3, torque 0 N m, state Idle, no flags, compute 57 x 0.1 us`.
+fn message_words(message: &impl Message) -> String {
+    let mut stuffed = message.frame().to_vec();
+    stuffed.pop();
+    // This frame was just encoded, so it is good.
+    let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
+    let layout = message.layout();
+    let fields = layout.fields.iter().filter_map(|it| Some(field_words(it, it.value(&body)?)));
+    let fields = fields.collect::<Vec<_>>().join(", ");
+    if fields.is_empty() { layout.name.to_owned() } else { format!("{} with {fields}", layout.name) }
+}
+
 impl Words for DriveMessage {
     fn words(&self) -> String {
-        let mut stuffed = self.frame().to_vec();
-        stuffed.pop();
-        // This frame was just encoded, so it is good.
-        let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
-        let layout = self.layout();
-        let fields = layout.fields.iter().filter_map(|it| Some(field_words(it, it.value(&body)?)));
-        let fields = fields.collect::<Vec<_>>().join(", ");
-        if fields.is_empty() { layout.name.to_owned() } else { format!("{} with {fields}", layout.name) }
+        message_words(self)
+    }
+}
+
+impl Words for HostMessage {
+    fn words(&self) -> String {
+        message_words(self)
     }
 }
 
@@ -239,7 +245,8 @@ mod tests {
     }
 
     #[test]
-    fn bits_are_shown_as_their_number() {
+    fn bits_are_shown_as_their_number_and_of_a_long_list_the_first_few() {
+        assert_eq!(vec![7_u8; 300].words(), "7, 7, 7, 7, 7 and so on, 300 in all");
         assert_eq!([0x3f80_0000, 0xbf80_0000, 0x7fc0_0001].map(Bits).words(), "1, -1, NaN (bits 0x7fc00001)");
     }
 }

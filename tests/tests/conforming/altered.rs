@@ -5,11 +5,19 @@ use std::time::{Duration, Instant};
 use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
 use lashloop_session::SessionError;
 
-/// What arrives instead of a message, as bytes; the number counts the requests.
-pub type Alteration = fn(&DriveMessage, u32) -> Vec<u8>;
+/// What arrives instead of a message, as bytes.
+pub type Alteration = fn(&Numbered<DriveMessage>, Passing) -> Vec<u8>;
+
+/// What has passed a middleware.
+#[derive(Clone, Copy, Default)]
+pub struct Passing {
+    pub requests: u32,
+    /// Device time of the last message that has one.
+    pub device_us: Option<u32>,
+}
 
 /// A middleware that alters the drive's messages, each after a delay.
 pub struct Altered {
@@ -26,7 +34,7 @@ pub struct Altered {
     /// Since when the drive's program has waited for a core.
     starved_since: Option<Instant>,
     writes: u32,
-    requests: u32,
+    passing: Passing,
     waiting: Vec<u8>,
 }
 
@@ -42,7 +50,7 @@ impl Altered {
             goes_on: None,
             starved_since: None,
             writes: 0,
-            requests: 0,
+            passing: Passing::default(),
             waiting: Vec::new(),
         }
     }
@@ -70,7 +78,7 @@ impl Altered {
     }
 
     fn unaltered() -> Self {
-        Self::new(|message, _| message.frame().to_vec())
+        Self::new(|it, _| it.message.numbered_frame(it.number).to_vec())
     }
 }
 
@@ -91,7 +99,7 @@ impl Link for Altered {
         let mut decoder = Decoder::new();
         let mut rest = bytes;
         while let Some(frame) = decoder.next::<HostMessage>(&mut rest) {
-            self.requests += u32::from(frame.is_ok());
+            self.passing.requests += u32::from(frame.is_ok());
         }
         self.drive.send(bytes)
     }
@@ -113,7 +121,8 @@ impl Link for Altered {
             let mut rest = &bytes[..count];
             while let Some(message) = self.decoder.next::<DriveMessage>(&mut rest) {
                 let message = message.expect("a drive that sends good frames");
-                self.waiting.extend((self.alter)(&message, self.requests));
+                self.passing.device_us = device_us(&message.message).or(self.passing.device_us);
+                self.waiting.extend((self.alter)(&message, self.passing));
             }
             let until = self.drive.now() + self.delay;
             self.drive.wait_until(until)?;
@@ -136,6 +145,17 @@ impl Link for Altered {
         }
         self.waiting.clear();
         self.drive.discard_input()
+    }
+}
+
+fn device_us(message: &DriveMessage) -> Option<u32> {
+    match message {
+        DriveMessage::Identity(it) => it.device_time_us,
+        DriveMessage::ParameterReport(it) => it.device_time_us,
+        DriveMessage::LineReport(it) => it.device_time_us,
+        DriveMessage::CommandResult(it) => it.device_time_us,
+        DriveMessage::FaultReport(it) => it.device_time_us,
+        _ => None,
     }
 }
 

@@ -4,20 +4,25 @@ use std::time::Duration;
 
 use lashloop_conformance::CheckStatus;
 use lashloop_protocol::enums::{LogLevel, Outcome, State};
-use lashloop_protocol::message::{CommandResult, Log, Start};
+use lashloop_protocol::message::{CommandResult, Log, Start, Telemetry, TorqueAnswer};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Message, cobs, crc};
+use lashloop_protocol::{DriveMessage, Message, Numbered, TelemetryValues, cobs, crc};
 
-use crate::altered::{Altered, Battery};
+use crate::altered::{Alteration, Altered, Battery, Passing};
 
-fn whole(message: &DriveMessage) -> Vec<u8> {
-    message.frame().to_vec()
+fn whole(it: &Numbered<DriveMessage>) -> Vec<u8> {
+    it.message.numbered_frame(it.number).to_vec()
 }
 
-fn log() -> Vec<u8> {
-    let log = Log { level: LogLevel::Debug, text: Text::new("still alive") };
-    whole(&log.into())
+/// With another message in its place.
+fn instead(it: &Numbered<DriveMessage>, message: impl Into<DriveMessage>) -> Vec<u8> {
+    whole(&Numbered { number: it.number, message: message.into() })
+}
+
+fn log(device_time_us: Option<u32>) -> Vec<u8> {
+    let log = Log { level: LogLevel::Debug, text: Text::new("still alive"), device_time_us };
+    DriveMessage::from(log).frame().to_vec()
 }
 
 /// A good frame of a kind that this version lacks.
@@ -37,7 +42,9 @@ fn assert_passes(battery: &Battery) {
 
 #[test]
 fn logs_between_any_two_frames_are_borne() {
-    assert_passes(&Battery::of(Altered::new(|message, _| [log(), whole(message), log()].concat())));
+    assert_passes(&Battery::of(Altered::new(|message, Passing { device_us, .. }| {
+        [log(device_us), whole(message), log(device_us)].concat()
+    })));
 }
 
 #[test]
@@ -49,7 +56,7 @@ fn frames_of_a_new_kind_are_borne() {
 fn a_silent_drive_ends_the_battery_after_three_checks() {
     // The handshake, the description and some checks are answered.
     let battery = Battery::of(Altered::new(
-        |message, requests| {
+        |message, Passing { requests, .. }| {
             if requests < 400 { whole(message) } else { Vec::new() }
         },
     ));
@@ -64,11 +71,11 @@ fn a_silent_drive_ends_the_battery_after_three_checks() {
 /// `Start` is done and answered as refused.
 #[test]
 fn a_failed_preparation_fails_one_check_and_leaves_the_others_unjudged() {
-    let battery = Battery::of(Altered::new(|message, _| match message {
+    let battery = Battery::of(Altered::new(|message, _| match &message.message {
         DriveMessage::CommandResult(it) if it.request == Start::LAYOUT.kind => {
-            whole(&CommandResult { outcome: Outcome::WrongSession, state: State::Armed, ..*it }.into())
+            instead(message, CommandResult { outcome: Outcome::WrongSession, state: State::Armed, ..*it })
         }
-        other => whole(other),
+        _ => whole(message),
     }));
     let not_judged = battery.not_judged();
     assert!(not_judged.len() > 40, "{} of {}", not_judged.len(), battery.results.len());
@@ -133,16 +140,41 @@ fn an_answer_that_comes_after_all_fails_no_good_drive() {
     }
 }
 
+/// Every answer comes with many more, in one check after the other.
+#[test]
+fn a_flood_of_answers_fails_in_a_few_words() {
+    let flood: [Alteration; 2] = [
+        |it, _| match &it.message {
+            DriveMessage::TorqueAnswer(torque) => {
+                let values = TelemetryValues::new(&[0.5; 13]).expect("13 values");
+                let telemetry = Telemetry { sequence: torque.sequence, values };
+                [whole(it), instead(it, telemetry).repeat(2_000)].concat()
+            }
+            _ => whole(it),
+        },
+        |it, _| whole(it).repeat(50),
+    ];
+    for alter in flood {
+        let battery = Battery::of(Altered::new(alter));
+        assert!(!battery.failed().is_empty(), "{:#?}", battery.results);
+        let texts = battery.results.iter().map(|it| serde_json::to_string(it).expect("a result"));
+        let all: Vec<_> = texts.collect();
+        assert!(all.iter().map(String::len).sum::<usize>() < 1_000_000);
+        for it in battery.failed() {
+            let CheckStatus::Failed { expected, got } = &it.status else { unreachable!() };
+            assert!(expected.chars().count() <= 600 && got.chars().count() <= 600, "{}: {got}", it.name);
+        }
+    }
+}
+
 /// The specification's words and units, none of Rust's.
 #[test]
 fn a_failure_is_reported_in_the_words_of_the_specification() {
-    let battery = Battery::of(Altered::new(|message, _| match message {
+    let battery = Battery::of(Altered::new(|message, _| match &message.message {
         DriveMessage::TorqueAnswer(it) if it.status.state == State::Idle => {
-            let mut moved = *it;
-            moved.torque_nm = 0.5;
-            whole(&moved.into())
+            instead(message, TorqueAnswer { torque_nm: 0.5, ..*it })
         }
-        other => whole(other),
+        _ => whole(message),
     }));
     let failed = battery.failed();
     let idle = failed.iter().find(|it| it.name == "a sample gets torque zero in Idle").expect("a failure");

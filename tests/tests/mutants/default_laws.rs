@@ -9,8 +9,13 @@ use lashloop_link::in_process::InProcess;
 use crate::skipped;
 
 /// What the checks are about that need certain parameters, signals or torques of a law, or signals that only one law has.
-const DEPENDS: [&str; 4] =
-    ["live", "signal", "a request that is infinite", "the law in force is that of the last Arm"];
+const DEPENDS: [&str; 5] = [
+    "live",
+    "signal",
+    "a request that is infinite",
+    "the law in force is that of the last Arm",
+    "no count of a slow movement is lost",
+];
 
 /// Declares a drive with this law as its first, and another one.
 macro_rules! default_laws {

@@ -10,10 +10,10 @@ use std::thread;
 
 use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
 
-use crate::PROFILE;
 use crate::allowed::{EQUIVALENT, NOT_FOUND, Set};
 use crate::mutation::{Checks, Mutant, Recorder, Sites};
 use crate::specimen::Specimen;
+use crate::{ARMING, PROFILE};
 
 /// Least mutants found, in percent of those that break a rule.
 const LEAST_PERCENT: f64 = 97.0;
@@ -133,7 +133,7 @@ fn specimen() -> (Census, BTreeMap<String, usize>) {
 #[test]
 fn specimen_passes_every_check() {
     let mut results = census().results;
-    results.retain(|it| it.status != CheckStatus::Passed && it.group != PROFILE);
+    results.retain(|it| it.status != CheckStatus::Passed && it.group != PROFILE && it.name != ARMING);
     assert!(results.is_empty(), "{results:#?}");
 }
 
@@ -145,6 +145,7 @@ fn nearly_every_mutant_is_found_and_none_that_the_page_allows() {
     let survivors: Vec<_> = broken.iter().filter(|it| it.by.is_none()).collect();
     let percent = 100.0 * (broken.len() - survivors.len()) as f64 / broken.len() as f64;
     report(broken.len(), &survivors, allowed.len(), percent);
+    by_group(&census, &broken);
     survivors.iter().for_each(|it| println!("{}", it.text()));
 
     let wronged: Vec<_> = allowed.iter().filter(|it| it.by.is_some()).map(|it| it.text()).collect();
@@ -185,6 +186,24 @@ fn unbroken(census: &Census, numbers: &BTreeMap<String, usize>, broken: &[&Found
         })
         .map(ToOwned::to_owned)
         .collect()
+}
+
+/// Prints for each group of checks how many of the mutants that act in it are found, by any check.
+fn by_group(census: &Census, broken: &[&Found]) {
+    let mut groups = Vec::<(&str, usize, usize)>::new();
+    for (place, check) in census.results.iter().enumerate() {
+        if groups.last().is_none_or(|(group, ..)| *group != check.group) {
+            let numbers = (1..).zip(&census.results).filter(|(_, it)| it.group == check.group);
+            let numbers: BTreeSet<usize> = numbers.map(|(number, _)| number).collect();
+            let acting = broken.iter().filter(|it| !it.acts_in.is_disjoint(&numbers));
+            let (acting, found) =
+                acting.fold((0, 0), |(all, found), it| (all + 1, found + usize::from(it.by.is_some())));
+            groups.push((census.results[place].group, found, acting));
+        }
+    }
+    for (group, found, acting) in groups {
+        println!("{group:12} {found:5} of {acting:5} ({:.1} %)", 100.0 * found as f64 / acting.max(1) as f64);
+    }
 }
 
 /// Writes the line that the test command prints at its end, and the survivors by site.

@@ -8,7 +8,7 @@ use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_protocol::enums::State;
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, Numbered};
 
 use crate::laws::TestLaws;
 use crate::results;
@@ -41,7 +41,7 @@ impl Link for Filtered {
             if *byte == DELIMITER {
                 let frame = std::mem::take(&mut self.request);
                 match Decoder::new().next::<HostMessage>(&mut &*frame) {
-                    Some(Ok(HostMessage::EncoderSample(mut sample))) => {
+                    Some(Ok(Numbered { message: HostMessage::EncoderSample(mut sample), .. })) => {
                         (self.on_sample)(&mut sample);
                         self.drive.send(&HostMessage::from(sample).frame())?;
                     }
@@ -62,10 +62,10 @@ impl Link for Filtered {
             let mut rest = &bytes[..count];
             while let Some(answer) = self.decoder.next::<DriveMessage>(&mut rest) {
                 let mut answer = answer.expect("a good frame");
-                if let DriveMessage::TorqueAnswer(torque) = &mut answer {
+                if let DriveMessage::TorqueAnswer(torque) = &mut answer.message {
                     (self.on_torque)(torque);
                 }
-                self.answers.extend_from_slice(&answer.frame());
+                self.answers.extend_from_slice(&answer.message.numbered_frame(answer.number));
             }
         }
         let count = self.answers.len().min(buffer.len());

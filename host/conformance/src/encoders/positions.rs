@@ -2,7 +2,7 @@
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::TorqueFlags;
-use lashloop_protocol::message::Stop;
+use lashloop_protocol::message::{EncoderSample, Stop};
 
 use super::encoder::{Encoder, placed};
 use super::setup::Setup;
@@ -16,8 +16,12 @@ use crate::reactions::accepted;
 const HALF: i64 = 1 << 23;
 /// Most samples of one path. Such a run lasts a second on a slow line.
 const LONGEST_PATH: i64 = 300;
-/// Periods of rest after a motion.
+/// Periods of rest after a motion, and after one whose velocity must leave no trace.
 const REST: u16 = 20;
+const LONG_REST: u16 = 80;
+/// Samples of a slow movement, and its counts for each.
+const CREEPS: u16 = 400;
+const CREEP: i64 = 3;
 /// Why a position reached in two ways shows nothing.
 const WITH_MEMORY: &str = "not run: the torque of the law in force depends on the way to a position";
 /// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
@@ -39,12 +43,16 @@ pub(super) fn checks() -> Vec<Check> {
         ),
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
             each_way(client, HALF / 2, 3 * HALF)?;
-            // The bound of a position in 26 bits, or in 32 bits with six of a fraction.
-            Encoder::BOTH.into_iter().try_for_each(|encoder| {
-                let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, 4 * HALF + more));
-                alike(client, encoder, &further?, &earlier?)
-            })
+            // The bounds of a position in 26 and 27 bits, or in 32 bits with six or five of a fraction.
+            for bound in [4 * HALF, 8 * HALF] {
+                for encoder in Encoder::BOTH {
+                    let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, bound + more));
+                    alike(client, encoder, &further?, &earlier?)?;
+                }
+            }
+            Ok(())
         }),
+        check("R7.8", "far from zero no count of a slow movement is lost", creeping),
         check(
             "R7.7 R7.8",
             "a run that starts at a position continues as one that has moved there",
@@ -115,9 +123,74 @@ fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
     })
 }
 
+/// Both encoders, of one resolution, far away and near the reference: three counts a sample must add up. A law whose torque at rest
+/// depends on the way shows nothing.
+fn creeping(client: &mut Client) -> RuleResult {
+    if client.repetitions(CREEPS.into()) < CREEPS.into() {
+        return skip("not judged: this line is too slow");
+    }
+    let direct = Setup::of_one_resolution(client)?;
+    let (far, end) = (8 * HALF, 8 * HALF + CREEP * i64::from(CREEPS));
+    let reference_rad = direct.angle_rad(end) as f32 - 1.0;
+    let moves = |client: &Client, start, end| path_of(client, &direct, 1, start, end);
+    let mut crept = moves(client, HALF / 2, far)?;
+    let arrived = crept.last().map_or(0, |it| it.0);
+    crept.extend((1..=CREEPS).map(|step| (arrived.wrapping_add(step), far + CREEP * i64::from(step))));
+    let mut detour = moves(client, HALF / 2, end + HALF / 2)?;
+    let turned = detour.last().map_or(0, |it| it.0);
+    let back = moves(client, end + HALF / 2, end)?;
+    detour.extend(back.into_iter().skip(1).map(|(step, counts)| (turned.wrapping_add(step), counts)));
+    let direct_path = moves(client, HALF / 2, end)?;
+    let [wanted_nm, detoured_nm, crept_nm] =
+        [direct_path, detour, crept].map(|path| at_rest(client, &direct, path, reference_rad));
+    let (wanted_nm, detoured_nm, crept_nm) = (wanted_nm?, detoured_nm?, crept_nm?);
+    if wanted_nm.to_bits() != detoured_nm.to_bits() {
+        return skip(WITH_MEMORY);
+    }
+    let is_near = (crept_nm - wanted_nm).abs() <= SAME_TORQUE * crept_nm.abs().max(wanted_nm.abs());
+    let expected =
+        format!("at {end} counts, with the last {CREEPS} samples 3 counts apart, {wanted_nm} N m to 5 %");
+    expect(is_near, expected, format!("{crept_nm} N m"))
+}
+
+/// The torque at the end of a path of both encoders, once its velocities have decayed.
+fn at_rest(
+    client: &mut Client,
+    setup: &Setup,
+    mut path: Vec<(u16, i64)>,
+    reference_rad: f32,
+) -> Result<f32, Failure> {
+    client.reset()?;
+    setup.start(client)?;
+    if let Some(&(sequence, counts)) = path.last() {
+        path.extend((1..=LONG_REST).map(|period| (sequence.wrapping_add(period), counts)));
+    }
+    let (mut torque_nm, mut last) = (0.0, None);
+    for (sequence, counts) in path {
+        let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
+        let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
+        let [motor_counts, load_counts] = [EncoderCounts::wrapping(counts); 2];
+        let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad };
+        torque_nm = accepted(client, sample, flags)?.torque_nm;
+        last = Some(sequence);
+    }
+    Ok(torque_nm)
+}
+
 /// A path from `start` up to `end` in the gaps of the drive, with both counts times `sign`.
 fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i64)>, Failure> {
-    let setup = Setup::fast(client)?;
+    path_of(client, &Setup::fast(client)?, sign, start, end)
+}
+
+/// As [`path`], with these settings.
+fn path_of(
+    client: &Client,
+    setup: &Setup,
+    sign: i64,
+    start: i64,
+    end: i64,
+) -> Result<Vec<(u16, i64)>, Failure> {
+    setup.allowed(client)?;
     let gap = setup.longest_gap();
     // Half the speed limit of the slower encoder.
     let allowed_counts = setup.scales.map(|it| it.counts_per_period() * f64::from(gap));

@@ -17,6 +17,7 @@ use crate::range::{holds, in_type_of, nearest_real, nearest_whole};
 
 /// Not the period of most drives after power-up: a drive must use the one that is set.
 const PERIOD_US: u32 = 800;
+const OTHER_PERIOD_US: u32 = 3_000;
 /// Resolutions of motor and load. Coarse enough that the largest distance of a period fits the counter, fine enough that one
 /// count is a small part of it, and different: a drive must not use one for the other.
 const COUNTS_PER_REV: [u32; 2] = [65_536, 40_000];
@@ -86,6 +87,12 @@ impl Setup {
         Self::of(client, COUNTS_PER_REV, COUNTS_PER_PERIOD)
     }
 
+    /// As [`Self::coarse`], with another period and the resolutions of the other encoder.
+    pub(super) fn other(client: &Client) -> Result<Self, Failure> {
+        let [motor, load] = COUNTS_PER_REV;
+        Self::of_period(client, OTHER_PERIOD_US, [load, motor], COUNTS_PER_PERIOD)
+    }
+
     /// As [`Self::coarse`], with high speed limits.
     pub(super) fn fast(client: &Client) -> Result<Self, Failure> {
         Self::of(client, COUNTS_PER_REV, MANY_COUNTS_PER_PERIOD)
@@ -96,13 +103,32 @@ impl Setup {
         Self::of(client, COUNTS_PER_REV, FEWEST_COUNTS_PER_PERIOD)
     }
 
+    /// As [`Self::fast`], with equal encoders.
+    pub(super) fn of_one_resolution(client: &Client) -> Result<Self, Failure> {
+        Self::of(client, [COUNTS_PER_REV[0]; 2], [MANY_COUNTS_PER_PERIOD[0]; 2])
+    }
+
+    /// The angle of the load at these counts, in rad.
+    pub(super) fn angle_rad(&self, counts: i64) -> f64 {
+        counts as f64 * TAU / f64::from(self.scale(Encoder::LOAD).counts_per_rev)
+    }
+
     /// With the drive's resolutions nearest to these.
     pub(super) fn of_resolutions(client: &Client, counts_per_rev: [u32; 2]) -> Result<Self, Failure> {
         Self::of(client, counts_per_rev, COUNTS_PER_PERIOD)
     }
 
     fn of(client: &Client, counts_per_rev: [u32; 2], counts_per_period: [f64; 2]) -> Result<Self, Failure> {
-        let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
+        Self::of_period(client, PERIOD_US, counts_per_rev, counts_per_period)
+    }
+
+    fn of_period(
+        client: &Client,
+        period_us: u32,
+        counts_per_rev: [u32; 2],
+        counts_per_period: [f64; 2],
+    ) -> Result<Self, Failure> {
+        let period_us = nearest_whole(client.parameter("period_us")?, period_us)?;
         let scale = |encoder: Encoder| {
             let at = encoder.index;
             Scale::fitted(client, encoder, period_us, counts_per_rev[at], counts_per_period[at])

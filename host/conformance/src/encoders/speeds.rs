@@ -53,7 +53,9 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name = format!("a {} encoder that jumps is a fault", encoder.name);
-        check("R7.14 R7.16 R5.2", name, move |client| {
+        check("R5.2 R7.14 R7.16 R9.6 R9.12", name, move |client| {
+            // Other settings have another effect.
+            jump(client, &Setup::other(client)?, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
             let setup = Setup::coarse(client)?;
             for periods in periods(&setup) {
                 for (start, sign) in [(0, 1), (0, -1), (STARTS[1], 1), (STARTS[2], -1)] {

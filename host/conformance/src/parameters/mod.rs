@@ -14,10 +14,11 @@ use lashloop_protocol::parameter_names::{
 };
 
 use super::assertion::{RuleResult, equal, expect};
-use super::burst::{reads, sets};
 use super::check::{Check, check};
 use super::client::Client;
+use super::exchanges::{reads, sets};
 use super::range::holds;
+use super::words::Words;
 use values::each;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -36,6 +37,7 @@ pub(super) fn checks() -> Vec<Check> {
         ),
         check("R9.9", "every parameter name is unique", |client| {
             let mut seen = HashSet::new();
+            client.note = foreign_names(client.description.parameters.iter().map(|it| &*it.name));
             client.description.parameters.iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
@@ -44,6 +46,13 @@ pub(super) fn checks() -> Vec<Check> {
             client.description.parameters.iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
+            })
+        }),
+        check("R3.2 R9.2", "default, minimum and maximum are finite", |client| {
+            client.description.parameters.iter().try_for_each(|it| {
+                let finite = |value| !matches!(value, ParameterValue::F32(value) if !value.is_finite());
+                let values = [it.default, it.min, it.max];
+                expect(values.into_iter().all(finite), format!("{}: finite values", it.name), values)
             })
         }),
         check("R9.2", "every default lies in its range", |client| {
@@ -77,6 +86,17 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(persistence::checks());
     checks.extend(effect::checks());
     checks
+}
+
+/// A warning of names that a scenario, which is TOML, must quote.
+pub(super) fn foreign_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let is_bare =
+        |name: &&str| name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_".contains(&byte));
+    let foreign: Vec<_> = names.filter(|name| !is_bare(name)).collect();
+    if foreign.is_empty() {
+        return String::new();
+    }
+    format!("warning: a scenario has to quote {}, no bare keys of TOML", foreign.words())
 }
 
 fn reserved(client: &mut Client) -> RuleResult {

@@ -3,14 +3,14 @@
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
 
-use lashloop_protocol::parameter_names::WATCHDOG_US;
+use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, WATCHDOG_US};
 
 use super::super::answers::other;
 use super::super::answers::{hello, outcome};
 use super::super::assertion::{Failure, RuleResult};
-use super::super::burst::{Exchange, result, sets};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::exchanges::{Exchange, result, sets};
 use super::super::range::{neighbour, within};
 use super::values::{defaults, in_force};
 
@@ -87,6 +87,10 @@ fn run(client: &mut Client) -> Result<(), Failure> {
     client.long_watchdog()?;
     let watchdog = client.parameter(WATCHDOG_US)?.index;
     kept[usize::from(watchdog)] = client.get(watchdog)?.value;
+    // With samples of its own the drive would refuse those of the bench.
+    if let Some(it) = client.description.parameters.iter().find(|it| it.name == SAMPLE_SOURCE) {
+        kept[usize::from(it.index)] = it.default;
+    }
     set_all(client, &kept, false)?;
     let session = client.session;
     let answers = client.request(Arm { session })?;

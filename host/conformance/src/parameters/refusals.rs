@@ -2,17 +2,17 @@
 
 use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{DescribeParameter, GetParameter, ParameterReport, SetParameter};
+use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
 use lashloop_session::Parameter;
 
 use super::super::assertion::RuleResult;
-use super::super::burst::{Exchange, reads, sets};
 use super::super::check::{Check, check};
 use super::super::client::Client;
-use super::super::range::{neighbour, of_other_type, outside};
-use super::values::{defaults, each};
+use super::super::exchanges::{Exchange, reads, reported, sets};
+use super::super::range::{beyond, neighbour, of_other_type, outside};
+use super::values::{defaults, each, set_live};
 
 use Outcome::{Accepted, OutOfRange, UnknownIndex, WrongState, WrongType};
 use State::{Armed, Boot, Faulted, Idle, Running};
@@ -26,7 +26,7 @@ pub(super) fn checks() -> Vec<Check> {
             refused(client, |it| of_other_type(it).into_iter().map(|value| (value, WrongType)).collect())
         }),
         check("R4.6 R6.2 R6.4", "an unknown parameter index is refused in every state", |client| {
-            [Boot, Idle, Armed, Running, Faulted].into_iter().try_for_each(|state| unknown(client, state))
+            State::ALL.iter().try_for_each(|state| unknown(client, *state))
         }),
         check("R6.4", "the state of the drive is checked before type and range of a value", |client| {
             [Boot, Armed, Running, Faulted].into_iter().try_for_each(|state| wrong_in(client, state))
@@ -34,7 +34,8 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     for state in [Armed, Running] {
         let name = format!("in {state:?} a live parameter is accepted and any other refused");
-        checks.push(check("R6.2 R6.3 R9.5 R9.7 R9.8", name, move |client| settable(client, state)));
+        let rules = "R6.2 R6.3 R9.5 R9.7 R9.8 R9.15";
+        checks.push(check(rules, name, move |client| settable(client, state)));
     }
     for state in [Boot, Faulted] {
         let name = format!("in {state:?} nothing can be set");
@@ -62,11 +63,8 @@ fn unknown(client: &mut Client, state: State) -> RuleResult {
     client.reset()?;
     client.enter(state)?;
     // 255 is the index that ends every exchange.
-    let mut indices = vec![client.identity.parameter_count, 254, u8::MAX - 1];
-    indices.retain(|index| *index >= client.identity.parameter_count && *index < u8::MAX);
-    indices.dedup();
-    for index in indices {
-        let report = ParameterReport { index, outcome: UnknownIndex, value: ParameterValue::U32(0), state };
+    for index in beyond(client, client.identity.parameter_count, u8::MAX - 1) {
+        let report = reported(index, UnknownIndex, ParameterValue::U32(0), state);
         let requests: [HostMessage; 4] = [
             DescribeParameter { index }.into(),
             GetParameter { index }.into(),
@@ -106,22 +104,29 @@ fn wrong_in(client: &mut Client, state: State) -> RuleResult {
 fn settable(client: &mut Client, state: State) -> RuleResult {
     client.enter(state)?;
     let present = present(client)?;
-    let mut exchanges = Vec::new();
+    let (mut exchanges, mut live) = (Vec::new(), Vec::new());
     for it in &client.description.parameters {
         let kept = present[usize::from(it.index)];
         let value = neighbour(it);
         if it.live && matches!(state, Armed | Running) {
-            exchanges.push(sets(it.index, value, Accepted, value, state));
-            exchanges.push(reads(it.index, value, state));
-            // Type before range, for live ones too.
-            let wrong_type = of_other_type(it).into_iter().map(|wrong| (wrong, WrongType));
-            let wrong = wrong_type.chain(outside(it).into_iter().map(|wrong| (wrong, OutOfRange)));
-            exchanges.extend(wrong.map(|(wrong, outcome)| sets(it.index, wrong, outcome, value, state)));
-            exchanges.push(sets(it.index, kept, Accepted, kept, state));
+            live.push((it.clone(), kept));
         } else {
             exchanges.push(sets(it.index, value, WrongState, kept, state));
+            exchanges.push(reads(it.index, kept, state));
         }
-        exchanges.push(reads(it.index, kept, state));
     }
-    client.exchange(&format!("in {state:?}"), &exchanges)
+    client.exchange(&format!("in {state}"), &exchanges)?;
+    let most = client.repetitions(live.len());
+    for (it, kept) in live.into_iter().take(most) {
+        for wished in [neighbour(&it), it.min, it.max, kept] {
+            let in_force = set_live(client, &it, wished)?;
+            // Type before range, for live ones too.
+            let wrong_type = of_other_type(&it).into_iter().map(|wrong| (wrong, WrongType));
+            let wrong = wrong_type.chain(outside(&it).into_iter().map(|wrong| (wrong, OutOfRange)));
+            let refused = wrong.map(|(wrong, outcome)| sets(it.index, wrong, outcome, in_force, state));
+            let exchanges: Vec<_> = refused.chain([reads(it.index, in_force, state)]).collect();
+            client.exchange(&format!("in {state}"), &exchanges)?;
+        }
+    }
+    Ok(())
 }

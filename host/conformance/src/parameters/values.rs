@@ -1,12 +1,12 @@
 //! All parameters of a drive, one by one, and their values.
 
-use lashloop_protocol::enums::{ParameterValue, State};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 
 use lashloop_session::Parameter;
 
-use super::super::assertion::RuleResult;
-use super::super::burst::{Exchange, reads};
+use super::super::assertion::{Failure, RuleResult, equal, expect};
 use super::super::client::Client;
+use super::super::exchanges::{Exchange, reads};
 
 pub(super) fn each(
     client: &mut Client,
@@ -24,6 +24,27 @@ pub(crate) fn in_force(
 ) -> RuleResult {
     let all: Vec<Exchange> = (0..).zip(values).map(|(index, value)| reads(index, *value, state)).collect();
     client.exchange(when, &all)
+}
+
+/// Sets a live parameter in `Armed` or `Running`. Returns the value in force: the drive may refuse one that contradicts the others.
+pub(crate) fn set_live(
+    client: &mut Client,
+    it: &Parameter,
+    value: ParameterValue,
+) -> Result<ParameterValue, Failure> {
+    let before = client.get(it.index)?.value;
+    let report = client.set(it.index, value)?;
+    let got = (report.outcome, report.value);
+    if report.outcome != Outcome::Inconsistent {
+        let what = format!("{} = {value} in {}: outcome, value and detail", it.name, client.state);
+        equal(&what, (Outcome::Accepted, value, 0), (got.0, got.1, report.detail))?;
+        return Ok(value);
+    }
+    let what = format!("{} = {value} refused in {}: value and detail", it.name, client.state);
+    equal(&what, before, got.1)?;
+    let is_index = report.detail < u32::from(client.identity.parameter_count);
+    expect(is_index, format!("{what} that is an index"), report.detail)?;
+    Ok(before)
 }
 
 pub(crate) fn defaults(client: &Client) -> Vec<ParameterValue> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Reset, Stop};
 
-use super::super::answers::{fault, hello, sample};
+use super::super::answers::{fault, hello, latched, sample};
 use super::super::assertion::{Failure, RuleResult, equal, expect, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
@@ -104,13 +104,12 @@ fn stopped(client: &mut Client, sequence: u16) -> Result<FaultReport, Failure> {
     equal("to EmergencyStop", vec!["FaultReport", "CommandResult"], names(&answers))?;
     equal("state", State::Faulted, client.state)?;
     let (code, got) = (FaultCode::EmergencyStop, fault(&answers)?);
-    let wanted = FaultReport { code, sequence, value: 0.0, limit: 0.0, detail: 0 };
-    same_report("to EmergencyStop", wanted, got)?;
+    same_report("to EmergencyStop", latched(code, sequence, 0.0), got)?;
     Ok(got)
 }
 
 fn emergency_stop(client: &mut Client) -> RuleResult {
-    for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {
+    for &state in State::ALL {
         client.reset()?;
         client.enter(state)?;
         let it = stopped(client, 0)?;
@@ -163,7 +162,7 @@ fn not_finite(client: &mut Client) -> RuleResult {
         let flags = if sequence > 1 { TorqueFlags::GAP } else { TorqueFlags::empty() };
         let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
         let it = fault_answer_with(&answers, FaultCode::ReferenceNotFinite, flags)?;
-        let wanted = FaultReport { value: reference_rad, limit: 0.0, sequence, detail: 0, code: it.code };
+        let wanted = latched(it.code, sequence, reference_rad);
         same_report("to a reference that is not finite", wanted, it)?;
         still_reported(client, it)?;
         no_torque(client, sequence, State::Faulted)?;

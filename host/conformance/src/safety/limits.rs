@@ -13,12 +13,16 @@ use super::super::reactions::{first_sample, no_torque};
 const LIMIT: &str = "torque_limit_nm";
 /// References of one sign and of the other, in rad.
 const REFERENCES: [f32; 2] = [1.0, -1.0];
+/// References whose torques have different digits, and how many of them show a rule.
+const KNOWN_REFERENCES: [f32; 10] = [1.0, -0.9, 0.77, -0.61, 0.53, -0.43, 0.37, -0.29, 0.23, -0.19];
+const FEWEST_KNOWN: usize = 8;
 /// Samples of a run, and runs, at the limit.
 const SAMPLES: u16 = 10;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("R7.11", "a torque beyond the limit is limited and flagged SATURATED", limited),
+        check("R7.11", "a torque of exactly the limit is not flagged SATURATED", at_the_limit),
         check("R7.11 R9.6", "the torque limit of each run is the one set before its Arm", limits_of_runs),
         check("R7.11 R7.12", "an extreme reference gives a torque at the limit at most, or a fault", extreme),
     ];
@@ -51,7 +55,6 @@ fn limited(client: &mut Client) -> RuleResult {
             equal(&format!("{what}: SATURATED at {LIMIT}"), highest, ParameterValue::F32(free_nm.abs()))?;
         } else {
             equal(&format!("{what}: far from the limit"), TorqueFlags::empty(), free.status.flags)?;
-            // One step of the type above, because a drive may compute in double precision.
             let above_nm = free_nm.abs().next_up();
             let same = first_torque(client, ParameterValue::F32(above_nm), reference_rad)?;
             let is_free = same.status.flags.is_empty() && same.torque_nm.abs() <= free_nm.abs();
@@ -74,6 +77,28 @@ fn limited(client: &mut Client) -> RuleResult {
         equal("reference 0 rad, limit 0 N m: torque in N m, state and flags", wanted, got)?;
     }
     Ok(())
+}
+
+/// A drive in double precision may request slightly more than the torque that it sends, but not for every reference.
+fn at_the_limit(client: &mut Client) -> RuleResult {
+    let mut saturated = Vec::new();
+    for reference_rad in KNOWN_REFERENCES {
+        let highest = client.parameter(LIMIT)?.max;
+        let free = first_torque(client, highest, reference_rad)?;
+        if free.torque_nm == 0.0 || !free.status.flags.is_empty() {
+            continue;
+        }
+        let limit_nm = free.torque_nm.abs();
+        let same = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
+        let what = format!("reference {reference_rad} rad, limit {limit_nm} N m: torque in N m");
+        equal(&what, free.torque_nm, same.torque_nm)?;
+        if same.status.flags.is_empty() {
+            return Ok(());
+        }
+        saturated.push(reference_rad);
+    }
+    let expected = "with a limit of exactly the requested torque for one of these references no SATURATED";
+    expect(saturated.len() < FEWEST_KNOWN, expected, saturated)
 }
 
 /// Runs with different limits and no reset between them.

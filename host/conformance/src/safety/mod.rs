@@ -1,6 +1,7 @@
 //! Safety: torque limit, latched faults and watchdog.
 
 mod faults;
+mod late;
 mod limits;
 mod watchdog;
 

@@ -8,27 +8,27 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, FaultReport,
-    GetParameter, Hello, LineReport, SetParameter, Start, Stop, Subscribe,
+    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EnterLoader,
+    FaultReport, GetParameter, Reference, SetParameter, Start, Stop, Subscribe,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
-use super::super::answers::{fault, hello, sample, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
+use super::super::answers::{counted, fault, hello, other, sample};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::judge::ATTEMPTS;
 use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
+use super::super::receiver::framed;
 use super::super::words::Words;
 use super::faults::stays_latched;
+use super::late;
 
 const NAME: &str = "watchdog_us";
 /// Watchdog of most of these checks: short for a quick check, long enough for the first sample of a busy bench.
 const WATCHDOG: Duration = Duration::from_millis(100);
 /// A watchdog much longer than [`LATEST`], so that a drive that waits twice as long is late.
 const LONGER: Duration = Duration::from_millis(400);
-/// A watchdog for samples that come late.
-const SHORT: Duration = Duration::from_millis(20);
 /// Time without a sample in states without a watchdog.
 const QUIET: Duration = Duration::from_millis(150);
 /// The drive must latch the fault this long after the limit.
@@ -40,15 +40,13 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two frames that must not feed the watchdog.
 const INTERVAL: Duration = Duration::from_millis(1);
 /// Tolerated error of the drive's clock, as a fraction.
-const CLOCK_TOLERANCE: f64 = 0.1;
+pub(super) const CLOCK_TOLERANCE: f64 = 0.1;
 /// Samples in quick succession before those whose time counts.
-const QUICK: u16 = 10;
+pub(super) const QUICK: u16 = 10;
 /// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
 const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
-/// Last attempt with samples at a time, from 0; each doubles the watchdog.
-const LONGEST_ATTEMPT: u32 = 4;
-/// Further lateness of each attempt with a late sample, as a fraction of the watchdog.
-const LATER: f64 = 0.5;
+/// Last attempt with samples at a time, from 0.
+pub(super) const LONGEST_ATTEMPT: u32 = 4;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -89,7 +87,7 @@ pub(super) fn checks() -> Vec<Check> {
             still_reported(client, it)
         }),
         check("R8.6", "each accepted sample restarts the watchdog", samples_in_time),
-        check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late_samples),
+        check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late::late_samples),
     ];
     checks.extend(feeds());
     checks.into_iter().map(in_time).collect()
@@ -121,7 +119,7 @@ fn micros(time: Duration) -> ParameterValue {
 }
 
 /// Starts a run with this watchdog and sends the first sample.
-fn start_with(client: &mut Client, watchdog: Duration) -> RuleResult {
+pub(super) fn start_with(client: &mut Client, watchdog: Duration) -> RuleResult {
     client.idle()?;
     client.put(NAME, micros(watchdog))?;
     client.arm()?;
@@ -137,7 +135,7 @@ fn stays(client: &mut Client, state: State) -> RuleResult {
     equal("state", state, client.state)
 }
 
-fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
+pub(super) fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
     match message {
         DriveMessage::FaultReport(it) => Some(*it),
         _ => None,
@@ -243,16 +241,18 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
 fn samples_in_time(client: &mut Client) -> RuleResult {
     for attempt in 0..=LONGEST_ATTEMPT {
         client.reset()?;
+        client.idle()?;
         // Longer each time, so that a busy bench sends them in time.
         let watchdog = WATCHDOG * 2_u32.pow(attempt);
-        start_with(client, watchdog)?;
-        for sequence in 1..QUICK {
-            client.torque(sequence)?;
-        }
-        let mut sent = client.line.now();
-        let mut longest = Duration::ZERO;
-        for sequence in QUICK..QUICK + 3 {
-            client.wait_for(watchdog.mul_f64(0.6), |_| None::<()>)?;
+        client.put(NAME, micros(watchdog))?;
+        client.arm()?;
+        let (mut sent, mut longest) = (client.line.now(), Duration::ZERO);
+        client.start()?;
+        for sequence in 0..QUICK + 3 {
+            // The first ones, and those after some in quick succession.
+            if !(2..QUICK).contains(&sequence) {
+                client.wait_for(watchdog.mul_f64(0.6), |_| None::<()>)?;
+            }
             let earlier = std::mem::replace(&mut sent, client.line.now());
             client.torque(sequence)?;
             longest = longest.max(client.line.now().saturating_duration_since(earlier));
@@ -267,71 +267,25 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
     Err(too_busy())
 }
 
-fn too_busy() -> Failure {
+pub(super) fn too_busy() -> Failure {
     Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() }
-}
-
-/// A new, a repeated and a stray sample, later than the watchdog allows.
-fn late_samples(client: &mut Client) -> RuleResult {
-    let last = QUICK - 1;
-    for late in [QUICK, last, 5000] {
-        for attempt in 0.. {
-            client.reset()?;
-            // Longer each time, so that a busy bench sends the first samples within it.
-            let watchdog = SHORT * 2_u32.pow(attempt);
-            start_with(client, watchdog)?;
-            for sequence in 1..QUICK {
-                client.torque(sequence)?;
-            }
-            if client.state != State::Running {
-                if attempt < LONGEST_ATTEMPT {
-                    continue;
-                }
-                return Err(too_busy());
-            }
-            let mut reports = Vec::new();
-            // The clock of an emulator on a busy machine lags behind by a fraction, so each attempt is later than the last.
-            let lateness = watchdog.mul_f64(2.0 * CLOCK_TOLERANCE + LATER * f64::from(attempt));
-            client.wait_for(watchdog + lateness, |message| {
-                reports.extend(fault_report(message));
-                None::<()>
-            })?;
-            let answers = client.request(sample(late))?;
-            reports.extend(answers.iter().filter_map(fault_report));
-            if reports.is_empty() && attempt < LONGEST_ATTEMPT {
-                continue;
-            }
-            let expected = format!("for the late sample {late} one FaultReport");
-            expect(reports.len() == 1, expected, reports.as_slice())?;
-            let got = (reports[0].code, reports[0].sequence);
-            equal("code and sequence", (FaultCode::Watchdog, last), got)?;
-            let it = torque(&answers)?;
-            let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
-            let wanted = (late, 0.0, State::Faulted, TorqueFlags::empty());
-            equal("sequence, torque in N m, state and flags", wanted, got)?;
-            // A report just before the sample arrives doesn't answer it.
-            if names(&answers)[0] == "TorqueAnswer" {
-                break;
-            }
-            expect(attempt < LONGEST_ATTEMPT, "the TorqueAnswer first", names(&answers))?;
-        }
-    }
-    Ok(())
 }
 
 /// Bytes that do not feed the watchdog. The number counts the writes.
 type Feed = fn(&Client, usize) -> Vec<u8>;
 
-const FEEDS: [(&str, &str, Feed); 4] = [
+const FEEDS: [(&str, &str, Feed); 5] = [
     ("R8.6", "repeating one sample does not feed the watchdog", |_, _| frame(sample(2))),
     ("R8.6", "stray samples do not feed the watchdog", |_, count| {
         frame(sample(if count.is_multiple_of(2) { 1 } else { 5000 }))
     }),
     ("R8.6", "other requests do not feed the watchdog", requests),
+    ("R4.17 R8.6", "unknown requests do not feed the watchdog", |_, _| {
+        [framed(&[0x41, 0, 1, 1]), framed(&[0x1c, 1, 1])].concat()
+    }),
     ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
-        let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
         if !count.is_multiple_of(2) {
-            return DriveMessage::from(report).frame().to_vec();
+            return DriveMessage::from(counted(0, 0, 0)).frame().to_vec();
         }
         let mut bytes = frame(sample(3));
         bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 };
@@ -376,10 +330,9 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         index: it.index,
         value: it.default,
     });
-    let other_version = Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session };
-    let requests: [HostMessage; 14] = [
+    let requests: [HostMessage; 16] = [
         hello(session).into(),
-        other_version.into(),
+        other(session),
         GetParameter { index }.into(),
         DescribeParameter { index }.into(),
         DescribeLaw { index: 0 }.into(),
@@ -392,8 +345,10 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         Arm { session: session ^ 1 }.into(),
         Start { session }.into(),
         Start { session: session ^ 1 }.into(),
+        EnterLoader { session: session ^ 1 }.into(),
+        Reference { number: 0, reference_rad: 0.0 }.into(),
     ];
-    let (one, other) = requests.split_at(requests.len() / 2);
-    let part = if count.is_multiple_of(2) { one } else { other };
+    let (first, second) = requests.split_at(requests.len() / 2);
+    let part = if count.is_multiple_of(2) { first } else { second };
     part.iter().flat_map(|request| request.frame().to_vec()).collect()
 }

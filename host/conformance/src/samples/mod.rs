@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EmergencyStop, Stop};
+use lashloop_protocol::parameter_names::CONTROLLER;
 
 use super::answers::{hello, sample, torque};
 use super::assertion::{RuleResult, expect};
 use super::check::{Check, check};
-use super::client::{CONTROLLER, Client};
+use super::client::Client;
 use super::reactions::accepted;
 use runs::{equal_torques, torques_of_a_run};
 

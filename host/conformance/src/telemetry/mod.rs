@@ -103,15 +103,28 @@ fn multiples(client: &mut Client) -> RuleResult {
         }
     }
     let setup = Setup::coarse(client)?;
-    if setup.longest_gap() < 3 {
-        return Ok(());
-    }
-    client.reset()?;
-    client.idle()?;
-    accepted(client, signals, 4)?;
-    setup.start(client)?;
-    for sequence in [0, 2, 3, 5, 7, 8, 11, 12, 13] {
-        follows(client, sequence, if sequence % 4 == 0 { BOTH } else { TORQUE })?;
+    let longest = setup.longest_gap();
+    let with_gaps: [(u16, &[u16]); 6] = [
+        (4, &[0, 2, 3, 5, 7, 8, 11, 12, 13]),
+        // Of an interval of one byte these would be 0, 1, 44, 232 and 255.
+        (256, &[0, 1, 255, 256, 257, 512]),
+        (257, &[0, 1, 2, 256, 257, 258]),
+        (300, &[0, 44, 88, 256, 299, 300, 301]),
+        (1_000, &[0, 232, 464, 768, 1_000, 1_001]),
+        (u16::MAX, &[0, 1, 255, 510, 1_020]),
+    ];
+    for (every, sequences) in with_gaps {
+        let gaps = sequences.windows(2).map(|pair| pair[1] - pair[0]);
+        if gaps.max().is_none_or(|gap| gap > longest) {
+            continue;
+        }
+        client.reset()?;
+        client.idle()?;
+        accepted(client, signals, every)?;
+        setup.start(client)?;
+        for &sequence in sequences {
+            follows(client, sequence, if sequence % every == 0 { BOTH } else { TORQUE })?;
+        }
     }
     Ok(())
 }
@@ -127,12 +140,16 @@ fn wraparound(client: &mut Client) -> RuleResult {
             "not run: the encoders of this drive allow no long gaps, so the path takes too many samples",
         );
     }
-    client.idle()?;
-    accepted(client, lowest(signals), 5)?;
-    setup.start(client)?;
-    let gaps = (0..65_530).step_by(gap.into());
-    for sequence in gaps.map(|it| it as u16).chain([65_530, 65_531, u16::MAX, 0, 1, 5]) {
-        follows(client, sequence, if sequence % 5 == 0 { BOTH } else { TORQUE })?;
+    // The longest interval has its second multiple just before the wraparound.
+    for every in [5, u16::MAX] {
+        client.reset()?;
+        client.idle()?;
+        accepted(client, lowest(signals), every)?;
+        setup.start(client)?;
+        let gaps = (0..65_530).step_by(gap.into());
+        for sequence in gaps.map(|it| it as u16).chain([65_530, 65_531, u16::MAX, 0, 1, 5]) {
+            follows(client, sequence, if sequence % every == 0 { BOTH } else { TORQUE })?;
+        }
     }
     Ok(())
 }

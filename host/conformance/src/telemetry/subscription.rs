@@ -7,8 +7,8 @@ use lashloop_protocol::message::Subscribe;
 
 use super::super::answers::{sample, telemetry};
 use super::super::assertion::{Failure, RuleResult, equal, names, skip};
-use super::super::burst::result;
 use super::super::client::Client;
+use super::super::exchanges::result;
 
 pub(super) const TORQUE: &[&str] = &["TorqueAnswer"];
 pub(super) const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];

@@ -1,15 +1,23 @@
 //! Answers to descriptions.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{Outcome, ParameterFlags};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterFlags, State, TorqueFlags};
+use lashloop_protocol::layout::ValueList;
+use lashloop_protocol::limits::{FAULT_NAMES, FLAG_NAMES, KIND_NAMES, OUTCOME_NAMES, STATE_NAMES};
 use lashloop_protocol::message::{
     ChoiceDescription, DescribeChoice, LawDescription, ParameterDescription, SignalDescription,
 };
 use lashloop_protocol::text::Text;
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use super::Drive;
 use super::description::{CONTROLLER, LAWS, OUTPUTS, SIGNALS, Table};
 use super::requests::whole;
+
+/// The last fault code of a drive without pins that never halts.
+const LAST_FAULT: u8 = 6;
+/// Names of what a drive without pins and boot loader has not.
+const OF_PINS: [&str; 5] =
+    ["PowerStageFault", "EncoderImplausible", "Reference", "EnterLoader", "BenchSample"];
 
 impl Drive {
     pub(super) fn describe(&mut self, request: &HostMessage) {
@@ -23,7 +31,8 @@ impl Drive {
                 let (name, unit) = (Text::new(name), Text::new(unit));
                 self.send(SignalDescription { index: it.index, laws, name, unit });
             }
-            HostMessage::DescribeChoice(it) => match choice(self.values.table, *it) {
+            HostMessage::DescribeChoice(it) => match choice(self.values.table, *it).or_else(|| own_name(*it))
+            {
                 Some(name) if self.at.flag("DescribeChoice", "is known", true) => {
                     self.send(ChoiceDescription {
                         parameter: it.parameter,
@@ -58,13 +67,31 @@ impl Drive {
     }
 
     fn is_known(&self, request: &HostMessage, index: u8, count: usize) -> bool {
-        use lashloop_protocol::Message;
-        let count = self.at.whole(request.layout().name, "number of indices", count as i64);
-        i64::from(index) < count
+        let name = request.layout().name;
+        let count = self.at.whole(name, "number of indices", count as i64);
+        let is_high = (100..200).contains(&index);
+        i64::from(index) < count || is_high && self.at.flag(name, "takes indices from 100 to 199", false)
     }
 
     fn unknown(&mut self, request: &HostMessage) {
         self.result(request, Outcome::UnknownIndex);
+    }
+}
+
+/// The identifier of a value or kind of the drive.
+fn own_name(DescribeChoice { parameter, choice }: DescribeChoice) -> Option<&'static str> {
+    let listed = |list: ValueList| list.name_of(choice);
+    match parameter {
+        FAULT_NAMES => listed(FaultCode::LIST).filter(|_| choice <= LAST_FAULT),
+        OUTCOME_NAMES => listed(Outcome::LIST).filter(|name| !OF_PINS.contains(name)),
+        STATE_NAMES => listed(State::LIST),
+        FLAG_NAMES => TorqueFlags::SET.name_of(choice),
+        KIND_NAMES => {
+            let layouts = HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS);
+            let known = layouts.filter(|it| !OF_PINS.contains(&it.name));
+            known.into_iter().find(|it| it.kind == choice).map(|it| it.name)
+        }
+        _ => None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use lashloop_protocol::enums::State;
 
-use super::Drive;
+use super::{Drive, NO_COUNTS};
 
 impl Drive {
     /// After an event, be it a request, refused or done, a frame or time. A mutant loses with it what must be kept.
@@ -42,7 +42,6 @@ impl Drive {
     }
 
     pub(super) const fn clear_counts(&mut self) {
-        let counts = &mut self.counts;
-        (counts.messages, counts.damaged, counts.refused, counts.overruns) = (0, 0, 0, 0);
+        self.counts = NO_COUNTS;
     }
 }

@@ -7,6 +7,9 @@ use crate::mutation::{Sites, Width};
 /// Sends every field of a body of this kind through its site.
 pub fn through_sites(at: &Sites, layout: &MessageLayout, body: &mut Vec<u8>) {
     for field in layout.fields {
+        if field.optional && field.bytes(body).is_none() {
+            continue;
+        }
         if matches!(field.ty, FieldType::F32Repeated) {
             let values = body[field.offset..].chunks(4).map(|bytes| Width::F32.read(bytes) as f32).collect();
             let values = at.list(layout.name, field.name, values);
@@ -27,7 +30,7 @@ fn one(at: &Sites, layout: &MessageLayout, field: &FieldLayout, body: &mut [u8])
         }
         FieldType::Status { states, flags } => {
             let byte = body[field.offset];
-            let state = listed(at, (site, "state"), states.values, byte & 0x0f);
+            let state = listed(at, (site, "state"), states.values, byte & 0x0f) & 0x0f;
             body[field.offset] = flags_of(at, site, flags.flags, byte & 0xf0) | state;
         }
         FieldType::Flags(set) => body[field.offset] = flags_of(at, site, set.flags, body[field.offset]),
@@ -57,7 +60,10 @@ fn type_of(field: &FieldLayout) -> &'static str {
     }
 }
 
-/// A byte of a list. A mutant may send 0 too, which no list has.
+/// A byte that no list names.
+const UNNAMED: u8 = 77;
+
+/// A byte of a list. A mutant may send 0 too, which no list has, and one without a name.
 fn listed(
     at: &Sites,
     (site, part): (&'static str, &'static str),
@@ -65,10 +71,11 @@ fn listed(
     byte: u8,
 ) -> u8 {
     let mut bytes: [u8; 16] = [0; 16];
-    for (place, (value, _)) in bytes[1..].iter_mut().zip(list) {
+    for (place, (value, _)) in bytes[2..].iter_mut().zip(list) {
         *place = *value;
     }
-    let bytes = &bytes[..=list.len()];
+    bytes[1] = UNNAMED;
+    let bytes = &bytes[..list.len() + 2];
     if bytes.contains(&byte) { at.pick(site, part, byte, bytes) } else { byte }
 }
 
@@ -87,7 +94,7 @@ fn number(at: &Sites, layout: &MessageLayout, field: &FieldLayout, width: Width,
     let bytes = |field: &FieldLayout| field.offset + skip..field.offset + field.len;
     let value = width.read(&body[bytes(field)]);
     let place = layout.fields.iter().position(|it| it == field).expect("a field of the message");
-    let neighbour = |it: Option<&FieldLayout>| it.copied().filter(|it| it.ty == field.ty);
+    let neighbour = |it: Option<&FieldLayout>| it.copied().filter(|it| it.ty == field.ty && !it.optional);
     let next = neighbour(layout.fields.get(place + 1));
     let other = next.or_else(|| neighbour(place.checked_sub(1).and_then(|it| layout.fields.get(it))));
     let other = other.map(|other| width.read(&body[bytes(&other)]));

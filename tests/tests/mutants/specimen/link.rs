@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use lashloop_link::{Link, LinkError};
 
-use super::Drive;
 use super::description::{PARAMETERS, Table};
+use super::{Character, Drive};
 use crate::mutation::Sites;
 
 /// Time of a byte on the line.
@@ -24,12 +24,12 @@ impl Specimen {
 
     /// With parameters of other types, defaults and ranges.
     pub fn with(sites: Sites, parameters: &'static Table) -> Self {
-        Self { drive: Drive::new(sites, parameters, false), boot: Instant::now() }
+        Self { drive: Drive::new(sites, parameters, Character::USUAL), boot: Instant::now() }
     }
 
-    /// That also sends what the page allows at any time.
-    pub fn chatty() -> Self {
-        let drive = Drive::new(Sites::new(None, None), &PARAMETERS, true);
+    /// Of another character.
+    pub fn of(character: Character) -> Self {
+        let drive = Drive::new(Sites::new(None, None), &PARAMETERS, character);
         Self { drive, boot: Instant::now() }
     }
 
@@ -63,7 +63,8 @@ impl Link for Specimen {
                 self.drive.pass_until(until_us);
             }
             let ended = self.drive.take(*byte);
-            if ended && self.drive.at.flag("receiver", "the rest of a read is lost after a frame", false) {
+            let loses = self.drive.character.loses_bursts;
+            if ended && self.drive.at.flag("receiver", "the rest of a read is lost after a frame", loses) {
                 break;
             }
         }

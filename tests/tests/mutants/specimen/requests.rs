@@ -1,20 +1,18 @@
 //! Requests in each state.
 
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterFlags, ParameterValue, State, Version};
-use lashloop_protocol::message::{CommandResult, Hello, Identity, ParameterReport, SetParameter, Subscribe};
+use lashloop_protocol::enums::{
+    Capabilities, FaultCode, Outcome, ParameterFlags, ParameterValue, State, Version,
+};
+use lashloop_protocol::message::{CommandResult, Hello, Identity, ParameterReport, SetParameter};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{HostMessage, Message};
 
 use super::Drive;
-use super::description::{CONTROLLER, COUNTS, LAWS, PERIOD, SIGNALS};
-use super::run::{Run, longest_gap};
+use super::arming::is_too_stiff;
+use super::description::{COUNTS, DAMPING, GAIN, LAWS, PERIOD, SIGNALS};
 use super::table::{Cell, cell};
 
 const VERSION: u8 = 1;
-const MOST_SIGNALS: i64 = 13;
-
-/// The refusals of a request, in the order of their checks.
-type Refusals<const N: usize> = [(&'static str, Option<Outcome>); N];
 
 impl Drive {
     pub(super) fn handle(&mut self, request: HostMessage) {
@@ -75,31 +73,16 @@ impl Drive {
         }
     }
 
-    /// The first refusal in the order of the checks; a mutant changes the order of two.
-    fn refusal<const N: usize>(
-        &self,
-        request: &'static str,
-        orders: [&'static str; N],
-        mut refusals: Refusals<N>,
-    ) -> Option<Outcome> {
-        // Only the order of two reasons that both apply matters.
-        let first = refusals.iter().position(|(_, refusal)| refusal.is_some()).unwrap_or(N);
-        let next = refusals.iter().skip(first + 1).position(|(_, refusal)| refusal.is_some());
-        if let Some(next) = next.map(|it| first + 1 + it)
-            && refusals[first].1 != refusals[next].1
-            && self.at.flag(request, orders[first], false)
-        {
-            refusals.swap(first, next);
-        }
-        refusals.into_iter().find_map(|(check, refusal)| self.at.refusal(request, check, refusal))
-    }
-
     pub(super) fn result(&mut self, request: &HostMessage, outcome: Outcome) {
-        self.send(CommandResult { request: request.layout().kind, outcome, state: self.state() });
+        self.result_with(request, outcome, 0);
     }
 
-    fn hello(&mut self, row: &'static str, Hello { protocol_version, session }: Hello) {
-        let hello = HostMessage::from(Hello { protocol_version: VERSION, session });
+    pub(super) fn result_with(&mut self, request: &HostMessage, outcome: Outcome, detail: u32) {
+        let (request, state) = (request.layout().kind, self.state());
+        self.send(CommandResult { request, outcome, state, detail, device_time_us: None });
+    }
+
+    fn hello(&mut self, row: &'static str, Hello { protocol_version, session, .. }: Hello) {
         let cell = cell(&self.at, row);
         if let Cell::Done(state) = cell {
             if row == "Hello, another session" && self.at.flag("Hello", "opens a session", true) {
@@ -113,8 +96,11 @@ impl Drive {
             }
             self.set_state(state);
         }
+        let mut capabilities = Capabilities::empty();
+        capabilities.set(Capabilities::DEVICE_TIME, self.character.has_clock);
         self.send(Identity {
             protocol_version: VERSION,
+            minor_version: 0,
             session,
             firmware: Version { major: 3, minor: 1, patch: 4 },
             build_id: 0x5eed_0001,
@@ -127,6 +113,8 @@ impl Drive {
             law_count: LAWS.len() as u8,
             signal_count: SIGNALS.len() as u8,
             parameter_count: self.values.table.len() as u8,
+            capabilities,
+            device_time_us: None,
         });
         let is_latched = self.fault.is_some() && self.state() == State::Faulted;
         if let Some(fault) = self.fault
@@ -143,7 +131,7 @@ impl Drive {
             if self.at.flag("Hello", part, false) {
                 self.session = Some(session);
             }
-            self.result(&hello, outcome);
+            self.result(&Hello::new(session).into(), outcome);
         }
     }
 
@@ -162,7 +150,7 @@ impl Drive {
             .or(of_range("is NaN", is_nan(value)));
         let refusal = self.refusal(
             "SetParameter",
-            ["before the index", "before the state", "before the type", ""],
+            ["before the index", "before the state", "before the type", "", ""],
             [
                 ("refused for its index", parameter.is_none().then_some(Outcome::UnknownIndex)),
                 ("refused for the state", refused(state)),
@@ -171,6 +159,7 @@ impl Drive {
                     parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType),
                 ),
                 ("refused for its range", range),
+                ("refused for another value", self.contradicts(usize::from(index), value)),
             ],
         );
         let stores = refusal.is_none();
@@ -187,6 +176,15 @@ impl Drive {
         self.report(index, refusal.unwrap_or(Outcome::Accepted), Some(value));
     }
 
+    /// In a run a gain must go with the damping.
+    fn contradicts(&self, index: usize, value: ParameterValue) -> Option<Outcome> {
+        let is_real = matches!(value, ParameterValue::F32(_));
+        let matters = index == GAIN && is_real && matches!(self.state(), State::Armed | State::Running);
+        let mut values = self.values;
+        values.set[GAIN] = value;
+        (matters && is_too_stiff(&values)).then_some(Outcome::Inconsistent)
+    }
+
     /// Reports the value in force; `requested` is what a mistaken drive reports.
     pub(super) fn report(&mut self, index: u8, outcome: Outcome, requested: Option<ParameterValue>) {
         let value = self.values.set.get(usize::from(index)).copied().unwrap_or(ParameterValue::U32(0));
@@ -197,84 +195,9 @@ impl Drive {
             1 => requested,
             _ => default,
         };
-        self.send(ParameterReport { index, outcome, value, state: self.state() });
-    }
-
-    /// The first signal wanted that the law in force lacks.
-    fn lacked(&self, signals: u32) -> Option<&'static str> {
-        let law = whole(self.is_set(CONTROLLER));
-        let first = self.first_law.filter(|first| *first != law);
-        let law =
-            first.filter(|_| self.at.flag("law in force", "is that of the first Arm", false)).unwrap_or(law);
-        let mut wanted = SIGNALS.iter().enumerate().filter(|(index, _)| signals >> index & 1 == 1);
-        wanted.find(|(_, (_, _, laws))| laws >> law & 1 == 0).map(|(_, (name, _, _))| *name)
-    }
-
-    /// Names the cause of a refusal as inconsistent.
-    fn log_cause(&mut self, cause: &str) {
-        let names_it = self.at.flag("Log", "names the cause", true);
-        self.log(&format!("inconsistent: {}", if names_it { cause } else { "see the manual" }));
-    }
-
-    fn subscribe(&mut self, wanted: Subscribe) {
-        let state = cell(&self.at, "Subscribe");
-        let lacked = self.lacked(wanted.signals);
-        let lacks = lacked.is_some() && matches!(self.state(), State::Armed | State::Running);
-        let is_too_many =
-            i64::from(wanted.signals.count_ones()) > self.at.whole("Subscribe", "most signals", MOST_SIGNALS);
-        let refusal = self.refusal(
-            "Subscribe",
-            ["before the state", "before a bit without a signal", "before too many", ""],
-            [
-                ("refused for the state", refused(state)),
-                (
-                    "a bit without a signal",
-                    (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex),
-                ),
-                ("too many", is_too_many.then_some(Outcome::OutOfRange)),
-                ("a signal that the law lacks", lacks.then_some(Outcome::Inconsistent)),
-            ],
-        );
-        if refusal == Some(Outcome::Inconsistent) {
-            self.log_cause(lacked.unwrap_or_default());
-        }
-        let stores = refusal.is_none();
-        if self.at.flag("Subscribe", if stores { "is stored" } else { "is stored though refused" }, stores) {
-            (self.signals, self.every) = (wanted.signals, wanted.every);
-        }
-        if let (Cell::Done(state), None) = (state, refusal) {
-            self.set_state(state);
-        }
-        self.result(&wanted.into(), refusal.unwrap_or(Outcome::Accepted));
-    }
-
-    fn arm(&mut self, row: &'static str) {
-        let state = cell(&self.at, row);
-        let lacked = self.lacked(self.signals);
-        let is_ambiguous = refused(state).is_none() && longest_gap(&self.at, &self.values) == 0;
-        let refusal = self.refusal(
-            "Arm",
-            ["before session and state", "", ""],
-            [
-                ("session and state", refused(state)),
-                ("ambiguous positions", is_ambiguous.then_some(Outcome::Inconsistent)),
-                ("a signal that the law lacks", lacked.map(|_| Outcome::Inconsistent)),
-            ],
-        );
-        if refusal == Some(Outcome::Inconsistent) {
-            self.log_cause(if is_ambiguous { "period_us, speed limits" } else { lacked.unwrap_or_default() });
-        }
-        if let (Cell::Done(state), None) = (state, refusal) {
-            let mut run = self.run.take().unwrap_or_else(|| Run::new(self.values));
-            run.settings = self.values;
-            self.first_law = self.first_law.or(Some(whole(self.is_set(CONTROLLER))));
-            self.run = Some(run);
-            self.set_state(state);
-        }
-        self.result(
-            &lashloop_protocol::message::Arm { session: 0 }.into(),
-            refusal.unwrap_or(Outcome::Accepted),
-        );
+        let (state, detail) =
+            (self.state(), if outcome == Outcome::Inconsistent { DAMPING as u32 } else { 0 });
+        self.send(ParameterReport { index, outcome, value, state, detail, device_time_us: None });
     }
 
     /// Requests without fields that change the state, and `Start`.
@@ -316,6 +239,14 @@ impl Drive {
                 }
                 if self.at.flag("Start resets", "the line counts", true) {
                     self.clear_counts();
+                }
+            }
+            HostMessage::Stop(_) => {
+                let at_arm = self.run.as_ref().map(|run| run.settings.set[GAIN]);
+                if let Some(at_arm) = at_arm.filter(|at_arm| *at_arm != self.is_set(GAIN))
+                    && !self.at.flag("Stop", "keeps a live value", true)
+                {
+                    self.values.set[GAIN] = at_arm;
                 }
             }
             HostMessage::EmergencyStop(_) => {
@@ -366,10 +297,11 @@ pub(super) fn whole(value: ParameterValue) -> u32 {
     match value {
         ParameterValue::U32(value) => value,
         ParameterValue::F32(value) => value as u32,
+        ParameterValue::Unknown { .. } => 0,
     }
 }
 
-fn refused(cell: Cell) -> Option<Outcome> {
+pub(super) fn refused(cell: Cell) -> Option<Outcome> {
     match cell {
         Cell::Done(_) => None,
         Cell::Refused(outcome) => Some(outcome),

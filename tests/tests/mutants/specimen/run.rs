@@ -13,8 +13,11 @@ use crate::mutation::{Sites, Width};
 
 const ENCODERS: [&str; 2] = ["motor", "load"];
 const HALF: i64 = 1 << 23;
-/// Half the range of a position in 26 bits, which is too few.
-const FAR: i64 = 1 << 25;
+/// Half the ranges of positions in 26 and 27 bits, which are too few.
+const FAR: [i64; 2] = [1 << 25, 1 << 26];
+const BEYOND: [&str; 2] = ["position beyond 2^25", "position beyond 2^26"];
+/// Up to here a whole number is one in single precision.
+const EXACT: i64 = 1 << 24;
 const LONGEST_GAP: i64 = 1000;
 
 /// All parameters of a drive and their values, by index.
@@ -72,11 +75,19 @@ pub struct Run {
 }
 
 /// A parameter as a number.
-fn number(value: ParameterValue) -> f64 {
+pub fn number(value: ParameterValue) -> f64 {
     match value {
         ParameterValue::U32(value) => value.into(),
         ParameterValue::F32(value) => value.into(),
+        ParameterValue::Unknown { .. } => f64::NAN,
     }
+}
+
+/// The encoder that moves by more counts in a period.
+pub fn faster(values: &Values) -> usize {
+    let counts =
+        |encoder: usize| number(values.set[SPEED_LIMITS[encoder]]) * number(values.set[COUNTS[encoder]]);
+    usize::from(counts(1) > counts(0))
 }
 
 /// A parameter in force where it has its effect. A mistaken drive takes the default.
@@ -179,10 +190,15 @@ impl Run {
         }
         for (index, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.position += moved[index];
-            if !(-FAR..FAR).contains(&encoder.position)
-                && !at.flag("position beyond 2^25", ENCODERS[index], true)
+            for (bound, site) in FAR.into_iter().zip(BEYOND) {
+                if !(-bound..bound).contains(&encoder.position) && !at.flag(site, ENCODERS[index], true) {
+                    encoder.position = (encoder.position + bound).rem_euclid(2 * bound) - bound;
+                }
+            }
+            if encoder.position.abs() > EXACT
+                && at.flag("position in single precision", ENCODERS[index], false)
             {
-                encoder.position = (encoder.position + FAR).rem_euclid(2 * FAR) - FAR;
+                encoder.position = encoder.position as f32 as i64;
             }
             encoder.reading = readings[index];
             if periods > 0 {
@@ -289,7 +305,9 @@ impl Run {
         ];
         Ok(Torque {
             nm: requested_nm.min(upper_nm).max(lower_nm) as f32,
-            is_saturated: requested_nm > limit_nm || requested_nm < -limit_nm,
+            is_saturated: requested_nm.abs() > limit_nm
+                || requested_nm.abs() as f32 == limit_nm as f32
+                    && at.flag("torque", "is saturated at its limit", false),
             signals: signals.map(|it| it as f32),
         })
     }

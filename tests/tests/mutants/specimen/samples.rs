@@ -147,6 +147,8 @@ impl Drive {
         let counter = self.at.number_or("telemetry", "counter", counter, steps) as i64;
         let every = (f64::from(self.every), crate::mutation::Width::U16);
         let every = self.at.number_or("telemetry", "every", every, None) as i64;
+        let is_long = every > 0xff && self.at.flag("telemetry", "every of one byte", false);
+        let every = if is_long { every & 0xff } else { every };
         let is_due = every != 0 && counter % every == 0;
         if !self.at.flag("telemetry", "is due", is_due) || self.signals == 0 {
             return;

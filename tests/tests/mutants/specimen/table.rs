@@ -54,5 +54,5 @@ pub fn cell(at: &Sites, request: &'static str) -> Cell {
     let (_, cells) = TABLE.iter().find(|(name, _)| *name == request).expect("a row of the table");
     let refusals = Outcome::ALL.iter().filter(|it| **it != Accepted).map(|it| Refused(*it));
     let all: Vec<_> = State::ALL.iter().map(|it| Done(*it)).chain(refusals).collect();
-    at.pick(request, state.name(), cells[state as usize - 1], &all)
+    at.pick(request, state.name(), cells[usize::from(state.byte()) - 1], &all)
 }

@@ -1,0 +1,197 @@
+//! The options of a drive, bench mode and boot loader, as far as they show without hardware: what is refused, and in which order.
+//!
+//! No check starts a run in bench mode, or the boot loader of a drive that has one.
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Capabilities, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::{Arm, CommandResult, EnterLoader, Reference, Start, Stop};
+use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
+use lashloop_protocol::wire::Payload;
+use lashloop_session::Parameter;
+
+use super::answers::{command_result, sample};
+use super::assertion::{Failure, RuleResult, broken, equal, expect, names, skip};
+use super::check::{Check, check};
+use super::client::Client;
+use super::exchanges::{Exchange, reads, result};
+use super::reactions::{accepted, first_sample, no_torque};
+use super::words::Words;
+
+use Outcome::{Accepted, EncoderImplausible, Inconsistent, PowerStageFault, WrongSession, WrongState};
+use State::{Armed, Boot, Idle, Running};
+
+/// The parameters of bench mode after the first, with their types.
+const PARAMETERS: [(&str, ParameterType); 9] = [
+    ("bench_sample_every", ParameterType::U32),
+    ("motor_direction", ParameterType::U32),
+    ("load_direction", ParameterType::U32),
+    ("torque_direction", ParameterType::U32),
+    ("torque_per_duty_nm", ParameterType::F32),
+    ("duty_offset", ParameterType::F32),
+    ("duty_min", ParameterType::F32),
+    ("duty_max", ParameterType::F32),
+    ("twist_limit_rad", ParameterType::F32),
+];
+/// Choices of `sample_source`, from 0.
+const SOURCES: [&str; 2] = ["link", "pins"];
+const PINS: ParameterValue = ParameterValue::U32(1);
+/// Least and largest details of the refusals by the hardware.
+const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 2]), (EncoderImplausible, [1, 5])];
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R18.2", "a drive has the parameters of bench mode if it announces it", parameters),
+        check("R4.16 R18.3 R18.9", "a Reference is refused in every state of HIL mode", reference),
+        check("R18.4", "Arm in bench mode checks session, state and parameters before the pins", arming),
+        check("R19.1 R19.2", "EnterLoader is refused in another session and in every state but Idle", loader),
+    ]
+}
+
+fn has(client: &Client, capability: Capabilities) -> bool {
+    client.identity.capabilities.contains(capability)
+}
+
+fn parameters(client: &mut Client) -> RuleResult {
+    let is_offered = client.description.parameters.iter().any(|it| it.name == SAMPLE_SOURCE);
+    equal(
+        &format!("a parameter {SAMPLE_SOURCE}, by the capabilities:"),
+        has(client, Capabilities::BENCH_MODE),
+        is_offered,
+    )?;
+    if !is_offered {
+        return Ok(());
+    }
+    let it = client.parameter(SAMPLE_SOURCE)?;
+    equal(&format!("default of {SAMPLE_SOURCE}"), ParameterValue::U32(0), it.default)?;
+    let choices: Vec<_> = it.choices.iter().map(|choice| choice.name.as_str()).collect();
+    equal(&format!("choices of {SAMPLE_SOURCE}"), SOURCES.to_vec(), choices)?;
+    for (name, ty) in PARAMETERS.into_iter().chain([(SAMPLE_SOURCE, ParameterType::U32)]) {
+        let it = client.parameter(name)?;
+        let is_of_all = it.laws.is_all(&client.description.laws);
+        let got = (it.default.ty(), it.live, is_of_all);
+        equal(&format!("{name}: type, whether live, whether of all laws"), (ty, false, true), got)?;
+    }
+    Ok(())
+}
+
+/// A drive without bench mode may not know the message, and gives no answer.
+fn reference(client: &mut Client) -> RuleResult {
+    for &state in State::ALL {
+        client.reset()?;
+        client.enter(state)?;
+        if state == Running {
+            first_sample(client)?;
+        }
+        for (number, reference_rad) in [(0, 1.0), (u16::MAX, f32::NAN)] {
+            refuses_reference(client, Reference { number, reference_rad }, state)?;
+        }
+        if state == Running {
+            accepted(client, sample(1), TorqueFlags::empty())?;
+        }
+    }
+    Ok(())
+}
+
+fn refuses_reference(client: &mut Client, reference: Reference, state: State) -> RuleResult {
+    let answers = client.request(reference)?;
+    equal("state afterwards", state, client.state)?;
+    if answers.is_empty() && !has(client, Capabilities::BENCH_MODE) {
+        return Ok(());
+    }
+    let (request, outcome) = (Reference::LAYOUT.kind, WrongState);
+    let wanted = CommandResult { request, outcome, state, detail: 0, device_time_us: None };
+    equal(&format!("in {state}, to a Reference"), vec![DriveMessage::from(wanted)], answers)
+}
+
+/// A parameter, and its value by its range.
+type Setting = (&'static str, fn(&Parameter) -> ParameterValue);
+
+/// Puts bench mode and two of its parameters in place.
+fn bench(client: &mut Client, duties: [Setting; 2]) -> RuleResult {
+    client.idle()?;
+    client.put(SAMPLE_SOURCE, PINS)?;
+    for (name, value) in duties {
+        let value = value(client.parameter(name)?);
+        client.put(name, value)?;
+    }
+    Ok(())
+}
+
+fn arming(client: &mut Client) -> RuleResult {
+    if !has(client, Capabilities::BENCH_MODE) {
+        return skip("the drive has no bench mode");
+    }
+    let session = client.session;
+    // No duty of no torque is both.
+    bench(client, [("duty_min", |it| it.max), ("duty_offset", |it| it.min)])?;
+    client.exchange("in bench mode", &[result(Arm { session: session ^ 1 }, WrongSession, Idle)])?;
+    let it = arm(client)?;
+    equal("Arm with a duty_min above duty_offset", Inconsistent, it.outcome)?;
+    let cause = client.description.parameters.iter().find(|cause| u32::from(cause.index) == it.detail);
+    let is_duty = cause.is_some_and(|cause| cause.name.starts_with("duty_"));
+    expect(is_duty, "the index of a duty as its detail", it)?;
+    client.reset()?;
+    client.exchange("after Reset", &[result(Arm { session }, WrongSession, Boot)])?;
+    bench(client, [("torque_per_duty_nm", |it| it.max), ("duty_min", |it| it.default)])?;
+    if arm(client)?.outcome == Accepted {
+        let exchanges: [Exchange; 3] = [
+            result(Arm { session }, WrongState, Armed),
+            result(Start { session: session ^ 1 }, WrongSession, Armed),
+            reads(client.parameter(SAMPLE_SOURCE)?.index, PINS, Armed),
+        ];
+        client.exchange("in bench mode", &exchanges)?;
+        no_torque(client, 0, Armed)?;
+        refuses_reference(client, Reference { number: 0, reference_rad: 0.0 }, Armed)?;
+        client.request(Stop {})?;
+    }
+    no_torque(client, 1, Idle)?;
+    refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, Idle)
+}
+
+/// Arms, and requires an outcome of the page with its detail.
+fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
+    let session = client.session;
+    let answers = client.request(Arm { session })?;
+    equal("answers to Arm in bench mode", vec!["CommandResult"], names(&answers))?;
+    let it = command_result(&Arm::LAYOUT, &answers)?;
+    let [least, most] = match it.outcome {
+        Accepted => [0, 0],
+        Inconsistent => [0, u32::from(client.identity.parameter_count.saturating_sub(1))],
+        outcome => {
+            let details = DETAILS.into_iter().find(|(of, _)| *of == outcome).map(|(_, details)| details);
+            details.ok_or_else(|| broken("to Arm in bench mode an outcome of the page", it.words()))?
+        }
+    };
+    expect((least..=most).contains(&it.detail), format!("a detail of {least} to {most}"), it)?;
+    let state = if it.outcome == Accepted { Armed } else { Idle };
+    equal("state after Arm in bench mode", (state, state), (it.state, client.state))?;
+    Ok(it)
+}
+
+fn loader(client: &mut Client) -> RuleResult {
+    let session = client.session;
+    for &state in State::ALL {
+        client.reset()?;
+        client.enter(state)?;
+        let when = format!("in {state}");
+        if has(client, Capabilities::LOADER) {
+            client.exchange(&when, &[result(EnterLoader { session: session ^ 1 }, WrongSession, state)])?;
+            let outcome = if state == Boot { WrongSession } else { WrongState };
+            if state != Idle {
+                client.exchange(&when, &[result(EnterLoader { session }, outcome, state)])?;
+            }
+            continue;
+        }
+        for session in [session ^ 1, session] {
+            let answers = client.request(EnterLoader { session })?;
+            equal(&format!("{when}, answers to EnterLoader"), vec!["CommandResult"], names(&answers))?;
+            let it = command_result(&EnterLoader::LAYOUT, &answers)?;
+            let is_refused = matches!(it.outcome, WrongState | Outcome::UnknownRequest);
+            let expected =
+                format!("{when}, from a drive without a boot loader, WrongState or UnknownRequest");
+            expect(is_refused && (it.state, it.detail) == (state, 0), expected, it)?;
+        }
+        equal(&format!("{when}, state afterwards"), state, client.state)?;
+    }
+    Ok(())
+}
