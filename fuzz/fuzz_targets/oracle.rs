@@ -5,7 +5,8 @@
 use std::fmt::Debug;
 
 use lashloop_protocol::frame::FrameError;
-use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message, crc};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message, Numbered, crc};
 
 /// Decodes `stream` in pieces of `piece_len` bytes and compares each item, the counters and the end with the specification.
 ///
@@ -37,7 +38,7 @@ struct Expected<'stream> {
 
 impl Expected<'_> {
     /// The next item of the stream; `None` where only the beginning of a frame is left.
-    fn next_item<M: Message>(&mut self) -> Option<Result<M, FrameError>> {
+    fn next_item<M: Message>(&mut self) -> Option<Result<Numbered<M>, FrameError>> {
         loop {
             let end = self.rest.iter().position(|&byte| byte == 0)?;
             let (stuffed, rest) = (&self.rest[..end], &self.rest[end + 1..]);
@@ -49,10 +50,12 @@ impl Expected<'_> {
                     Ok(_) => counters.messages += 1,
                     Err(FrameError::Oversized { .. }) => counters.oversized += 1,
                     Err(FrameError::Crc { .. }) => counters.crc_errors += 1,
+                    Err(FrameError::Body(BodyError::UnknownKind { .. })) => counters.unknown += 1,
                     Err(FrameError::Body(_)) => counters.refused += 1,
                     Err(_) => counters.malformed += 1,
                 }
-                if item.is_err() {
+                // A message that this version doesn't know is no garbage.
+                if !matches!(item, Ok(_) | Err(FrameError::Body(BodyError::UnknownKind { .. }))) {
                     counters.discarded_bytes += stuffed.len() as u32 + 1;
                 }
                 return Some(item);
@@ -63,7 +66,7 @@ impl Expected<'_> {
 
 /// The message between two delimiters. COBS as originally described: a code byte `n` stands for the `n - 1` bytes after it and a
 /// zero; the last zero is not part of the data.
-fn open<M: Message>(stuffed: &[u8]) -> Result<M, FrameError> {
+fn open<M: Message>(stuffed: &[u8]) -> Result<Numbered<M>, FrameError> {
     let bytes = stuffed.len();
     if bytes >= MAX_FRAME {
         return Err(FrameError::Oversized { bytes: bytes + 1 });
@@ -86,9 +89,13 @@ fn open<M: Message>(stuffed: &[u8]) -> Result<M, FrameError> {
 }
 
 /// Equal in every bit, NaN included, for which `==` of the messages fails.
-fn same<M: Message>(found: &Result<M, FrameError>, expected: &Result<M, FrameError>) -> bool {
+fn same<M: Message>(
+    found: &Result<Numbered<M>, FrameError>,
+    expected: &Result<Numbered<M>, FrameError>,
+) -> bool {
+    let frame = |it: &Numbered<M>| it.message.numbered_frame(it.number);
     match (found, expected) {
-        (Ok(found), Ok(expected)) => found.frame()[..] == expected.frame()[..],
+        (Ok(found), Ok(expected)) => frame(found)[..] == frame(expected)[..],
         (Err(found), Err(expected)) => found == expected,
         _ => false,
     }

@@ -1,11 +1,12 @@
 //! One frame of a stream or of a capture, good or bad.
 
 use lashloop_protocol::field_value::FieldValue;
-use lashloop_protocol::layout::{Direction, FieldLayout, MessageLayout};
-use lashloop_protocol::{FrameError, Message, frame};
+use lashloop_protocol::layout::{Direction, FieldLayout, MessageLayout, has_number};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{FrameError, Message, Numbered, frame};
 use serde::Serialize;
 
-use super::message::AnyMessage;
+use super::message::{AnyMessage, direction_of};
 use super::subscription::Label;
 
 /// Location of a frame.
@@ -31,18 +32,21 @@ pub enum Location {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedMessage {
     pub layout: &'static MessageLayout,
+    /// Of the request that this is or answers; `None` for a kind without a number.
+    pub number: Option<u8>,
     /// Of the values of telemetry, in their order; empty for any other message, and if the stream lacks the subscription.
     pub labels: Vec<Label>,
     body: Vec<u8>,
 }
 
 impl DecodedMessage {
-    pub(super) fn new(message: &AnyMessage, labels: Vec<Label>) -> Self {
-        let mut stuffed = message.frame().to_vec();
+    pub(super) fn new(Numbered { number, message }: &Numbered<AnyMessage>, labels: Vec<Label>) -> Self {
+        let layout = message.layout();
+        let mut stuffed = message.numbered_frame(*number).to_vec();
         stuffed.pop();
         // This frame was just encoded, so it is good.
         let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
-        Self { layout: message.layout(), labels, body }
+        Self { layout, number: layout.has_number().then_some(*number), labels, body }
     }
 
     /// In the order of the bytes.
@@ -75,8 +79,20 @@ impl Entry {
     pub fn direction(&self) -> Option<Direction> {
         match (&self.message, self.location) {
             (Ok(message), _) => Some(message.layout.direction),
+            (Err(FrameError::Body(BodyError::UnknownKind { kind, .. })), _) => Some(direction_of(*kind)),
             (Err(_), Location::Packet { direction, .. }) => direction,
             (Err(_), Location::Stream { .. }) => None,
+        }
+    }
+
+    /// Kind and number of a whole frame that this version doesn't know.
+    #[must_use]
+    pub fn unknown(&self) -> Option<(u8, Option<u8>)> {
+        match self.message {
+            Err(FrameError::Body(BodyError::UnknownKind { kind, number })) => {
+                Some((kind, has_number(kind).then_some(number)))
+            }
+            _ => None,
         }
     }
 }

@@ -4,11 +4,13 @@
 //! {"offset":0,"length":16,"direction":"drive_to_host","message":"TorqueAnswer","kind":144,
 //!  "fields":{"sequence":258,"torque_nm":-20.420353,...},"units":{"torque_nm":"N m",...}}
 //! {"packet":7,"time_ns":51200,"length":9,"error":"...","bytes":"0307..."}
+//! {"offset":16,"length":12,"direction":"drive_to_host","unknown_kind":200,"number":7,"bytes":"..."}
 //! {"counters":{"messages":1,...}}
 //! ```
 //!
-//! The first object is wrapped here. `Telemetry` also has `"signals":{"NAME":VALUE,...}` if the descriptions of the signals and
-//! the subscription are part of the stream. NaN and infinities are strings.
+//! The first object is wrapped here. A request and its answer have a `number`. `Telemetry` also has
+//! `"signals":{"NAME":VALUE,...}` if the descriptions of the signals and the subscription are part of the stream. NaN and
+//! infinities are strings.
 
 use lashloop_protocol::Counters;
 use lashloop_protocol::enums::ParameterValue;
@@ -26,15 +28,19 @@ use super::entry::{DecodedMessage, Entry, Location};
 /// # Errors
 /// None known: every value has a representation in JSON.
 pub fn line(entry: &Entry) -> serde_json::Result<String> {
-    let content = match &entry.message {
-        Ok(message) => Content::Good {
+    let content = match (&entry.message, entry.unknown()) {
+        (Ok(message), _) => Content::Good {
             message: message.layout.name,
             kind: message.layout.kind,
+            number: message.number,
             fields: Fields(message),
             signals: (!message.labels.is_empty()).then_some(Signals(message)),
             units: Units(message),
         },
-        Err(error) => Content::Bad { error: error.to_string(), bytes: Hex(&entry.bytes).to_string() },
+        (Err(_), Some((unknown_kind, number))) => {
+            Content::Unknown { unknown_kind, number, bytes: Hex(&entry.bytes).to_string() }
+        }
+        (Err(error), None) => Content::Bad { error: error.to_string(), bytes: Hex(&entry.bytes).to_string() },
     };
     serde_json::to_string(&Line {
         location: entry.location,
@@ -50,9 +56,10 @@ pub fn line(entry: &Entry) -> serde_json::Result<String> {
 /// The counters, after the last entry.
 #[must_use]
 pub fn counters(counters: &Counters) -> String {
-    let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused } = *counters;
+    let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused, unknown } =
+        *counters;
     let errors = format!(r#""crc_errors":{crc_errors},"malformed":{malformed},"oversized":{oversized}"#);
-    let rest = format!(r#""refused":{refused},"discarded_bytes":{discarded_bytes}"#);
+    let rest = format!(r#""refused":{refused},"unknown":{unknown},"discarded_bytes":{discarded_bytes}"#);
     format!(r#"{{"counters":{{"messages":{messages},{errors},{rest}}}}}"#)
 }
 
@@ -73,10 +80,18 @@ enum Content<'a> {
     Good {
         message: &'static str,
         kind: u8,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        number: Option<u8>,
         fields: Fields<'a>,
         #[serde(skip_serializing_if = "Option::is_none")]
         signals: Option<Signals<'a>>,
         units: Units<'a>,
+    },
+    Unknown {
+        unknown_kind: u8,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        number: Option<u8>,
+        bytes: String,
     },
     Bad {
         error: String,
@@ -132,11 +147,14 @@ impl Serialize for Value<'_> {
                 Real(value).serialize(serializer)
             }
             FieldValue::Reals(values) => serializer.collect_seq(values.as_slice().iter().copied().map(Real)),
-            FieldValue::Name(name) => serializer.serialize_str(name),
+            FieldValue::Parameter(unknown @ ParameterValue::Unknown { .. }) => {
+                serializer.collect_str(&FieldValue::Parameter(unknown))
+            }
+            FieldValue::Name(value) => serializer.collect_str(&value),
             FieldValue::Text(text) => serializer.serialize_str(&printable(text)),
             FieldValue::Status(state, flags) => {
                 let mut status = serializer.serialize_struct("Status", 2)?;
-                status.serialize_field("state", state)?;
+                status.serialize_field("state", &state.to_string())?;
                 status.serialize_field("flags", &names(flags))?;
                 status.end()
             }

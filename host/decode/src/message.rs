@@ -1,8 +1,8 @@
 //! A message of either direction. The highest bit of the kind is the direction.
 
-use lashloop_protocol::layout::MessageLayout;
+use lashloop_protocol::layout::{Direction, MessageLayout};
 use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message, Numbered};
 
 /// A message of either direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +13,11 @@ pub enum AnyMessage {
 
 /// Set in the kind of every message of the drive.
 const FROM_DRIVE: u8 = 0x80;
+
+/// The direction of a kind, known or not.
+pub(super) fn direction_of(kind: u8) -> Direction {
+    if kind & FROM_DRIVE == 0 { Direction::HostToDrive } else { Direction::DriveToHost }
+}
 
 impl Message for AnyMessage {
     const LAYOUTS: &'static [MessageLayout] = &{
@@ -26,11 +31,11 @@ impl Message for AnyMessage {
         all
     };
 
-    fn decode_body(body: &[u8]) -> Result<Self, BodyError> {
+    fn decode_body(body: &[u8]) -> Result<Numbered<Self>, BodyError> {
         if body.first().is_some_and(|kind| kind & FROM_DRIVE != 0) {
-            DriveMessage::decode_body(body).map(Self::Drive)
+            DriveMessage::decode_body(body).map(|it| it.map(Self::Drive))
         } else {
-            HostMessage::decode_body(body).map(Self::Host)
+            HostMessage::decode_body(body).map(|it| it.map(Self::Host))
         }
     }
 
@@ -41,10 +46,10 @@ impl Message for AnyMessage {
         }
     }
 
-    fn write_frame<'buffer>(&self, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
+    fn write_numbered<'buffer>(&self, number: u8, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
         match self {
-            Self::Host(message) => message.write_frame(buffer),
-            Self::Drive(message) => message.write_frame(buffer),
+            Self::Host(message) => message.write_numbered(number, buffer),
+            Self::Drive(message) => message.write_numbered(number, buffer),
         }
     }
 }

@@ -87,5 +87,5 @@ fn decode(
     piece: &[u8],
 ) -> Option<Result<DecodedMessage, FrameError>> {
     let message = decoder.next::<AnyMessage>(&mut &piece[..])?;
-    Some(message.map(|message| DecodedMessage::new(&message, subscription.follow(&message))))
+    Some(message.map(|it| DecodedMessage::new(&it, subscription.follow(&it.message))))
 }

@@ -84,7 +84,8 @@ mod tests {
     }
 
     fn result(request: u8, outcome: Outcome) -> AnyMessage {
-        AnyMessage::Drive(CommandResult { request, outcome, state: State::Idle }.into())
+        let (state, detail, device_time_us) = (State::Idle, 0, None);
+        AnyMessage::Drive(CommandResult { request, outcome, state, detail, device_time_us }.into())
     }
 
     /// The names of `count` telemetry values after these messages.

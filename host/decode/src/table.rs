@@ -44,11 +44,17 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
         None => "?",
     };
     write!(line, "  {direction:<13}  ")?;
-    match &entry.message {
-        Ok(message) => {
+    match (&entry.message, entry.unknown()) {
+        (Ok(message), _) => {
             write!(line, "{:<20}  ", message.layout.name)?;
+            let number = message.number.map(|number| write!(line, "#{number}"));
+            let has_number = number.transpose()?.is_some();
             for (at, (field, value)) in message.fields().enumerate() {
-                let separator = if at == 0 { "" } else { ", " };
+                let separator = match (at, has_number) {
+                    (0, false) => "",
+                    (0, true) => " ",
+                    _ => ", ",
+                };
                 if matches!(value, FieldValue::Reals(_)) && !message.labels.is_empty() {
                     for (Label { name, unit }, value) in message.signals() {
                         let space = if unit.is_empty() { "" } else { " " };
@@ -64,7 +70,14 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
                 }
             }
         }
-        Err(error) => {
+        (Err(_), Some((kind, number))) => {
+            write!(line, "{:<20}  ", "UNKNOWN")?;
+            if let Some(number) = number {
+                write!(line, "#{number} ")?;
+            }
+            write!(line, "kind {kind:#04x}: {:#}", Hex(&entry.bytes))?;
+        }
+        (Err(error), None) => {
             let shown = &entry.bytes[..entry.bytes.len().min(SHOWN)];
             let cut = if entry.bytes.len() > SHOWN { " ..." } else { "" };
             write!(line, "{:<20}  {error}: {:#}{cut}", "BAD", Hex(shown))?;
@@ -76,9 +89,10 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
 /// The counters, after the last entry.
 #[must_use]
 pub fn counters(counters: &Counters) -> String {
-    let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused } = counters;
+    let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused, unknown } = counters;
+    let unknown = if *unknown == 0 { String::new() } else { format!(", {unknown} of unknown kinds") };
     format!(
-        "{messages} messages; bad: {crc_errors} by CRC, {malformed} malformed, {oversized} oversized, {refused} refused \
-         ({discarded_bytes} bytes)"
+        "{messages} messages{unknown}; bad: {crc_errors} by CRC, {malformed} malformed, {oversized} oversized, \
+         {refused} refused ({discarded_bytes} bytes)"
     )
 }

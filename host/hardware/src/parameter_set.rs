@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use lashloop_protocol::enums::ParameterValue;
-use toml_edit::{Document, Item, Value};
+use toml_edit::{Document, Item, Key, Value};
 
 use lashloop_bench::run::digest;
 use lashloop_session::{Parameter, Session, SessionError, SetError, WrittenValue};
@@ -36,7 +36,10 @@ impl ParameterSet {
     #[must_use]
     pub fn to_toml(&self) -> String {
         let line = |(it, value): &(Parameter, ParameterValue)| {
-            format!("{:<36} # {}", format!("{} = {}", it.name, to_toml_value(it, *value)), it.range())
+            // A value of a type that no TOML has can't be restored.
+            let start = if matches!(value, ParameterValue::Unknown { .. }) { "# " } else { "" };
+            let setting = format!("{start}{} = {}", Key::new(&*it.name), to_toml_value(it, *value));
+            format!("{setting:<36} # {}", it.range())
         };
         self.0.iter().map(line).fold(String::new(), |text, line| text + &line + "\n")
     }
@@ -49,10 +52,11 @@ impl ParameterSet {
         let mut bytes = Vec::new();
         for (it, value) in &self.0 {
             bytes.extend_from_slice(it.name.as_bytes());
-            bytes.extend_from_slice(&[0, value.ty() as u8]);
+            bytes.extend_from_slice(&[0, value.ty().byte()]);
             bytes.extend_from_slice(&match value {
                 ParameterValue::U32(value) => value.to_le_bytes(),
                 ParameterValue::F32(value) => value.to_le_bytes(),
+                ParameterValue::Unknown { bytes, .. } => *bytes,
             });
         }
         digest::sha256(&bytes)
@@ -66,7 +70,9 @@ pub fn to_toml_value(parameter: &Parameter, value: ParameterValue) -> String {
     match (parameter.choice(value), value) {
         (Some(choice), _) => Value::from(choice).to_string(),
         (None, ParameterValue::U32(value)) => value.to_string(),
+        (None, ParameterValue::F32(value)) if value.is_nan() => "nan".to_owned(),
         (None, ParameterValue::F32(value)) => format!("{value:?}"),
+        (None, unknown @ ParameterValue::Unknown { .. }) => format!("{unknown} ({})", unknown.ty()),
     }
 }
 
@@ -237,5 +243,46 @@ impl Settings {
         }
         self.0.push(Setting { place, name: name.to_owned(), value });
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lashloop_session::LawMask;
+
+    use super::*;
+
+    fn parameter(name: &str) -> Parameter {
+        let [default, min, max] = [0.0, -1.0, 1.0].map(ParameterValue::F32);
+        Parameter {
+            index: 0,
+            name: name.to_owned(),
+            unit: String::new(),
+            default,
+            min,
+            max,
+            live: false,
+            laws: LawMask(1),
+            choices: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_name_and_every_number_is_restored() {
+        let values = [("k_p1", 0.1), ("Kp [N m]", f32::INFINITY), ("axis.1", f32::NAN), ("", -0.0)];
+        let set = values.map(|(name, value)| (parameter(name), ParameterValue::F32(value)));
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("parameters.toml");
+        fs::write(&path, ParameterSet(set.to_vec()).to_toml()).expect("a file");
+        let read = Settings::from_file(&path).expect("settings").0;
+        assert_eq!(read.len(), values.len());
+        for (setting, (name, value)) in read.iter().zip(values) {
+            let SettingValue::Number(number) = setting.value else { panic!("{setting}") };
+            assert_eq!(setting.name, name);
+            assert!(
+                (number as f32).to_bits() == value.to_bits() || number.is_nan() && value.is_nan(),
+                "{setting}"
+            );
+        }
     }
 }

@@ -142,7 +142,37 @@ pub enum Number {
     /// A whole number.
     Whole(u32),
     /// A real number.
-    Real(f32),
+    Real(#[serde(with = "real")] f32),
+    /// A value of a type that only a newer drive has.
+    Unknown {
+        /// Byte of the type.
+        ty: u8,
+        /// The value, little endian.
+        bits: u32,
+    },
+}
+
+/// A real number in JSON, which has no infinities and no NaN: these are texts.
+mod real {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        Number(f32),
+        Text(String),
+    }
+
+    pub(super) fn serialize<S: Serializer>(number: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+        if number.is_finite() { serializer.serialize_f32(*number) } else { serializer.collect_str(number) }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f32, D::Error> {
+        match Written::deserialize(deserializer)? {
+            Written::Number(number) => Ok(number),
+            Written::Text(text) => text.parse().map_err(serde::de::Error::custom),
+        }
+    }
 }
 
 impl From<ParameterValue> for Number {
@@ -150,6 +180,9 @@ impl From<ParameterValue> for Number {
         match value {
             ParameterValue::U32(value) => Self::Whole(value),
             ParameterValue::F32(value) => Self::Real(value),
+            ParameterValue::Unknown { ty, bytes } => {
+                Self::Unknown { ty: ty.get(), bits: u32::from_le_bytes(bytes) }
+            }
         }
     }
 }
@@ -159,6 +192,7 @@ impl From<Number> for f64 {
         match number {
             Number::Whole(value) => value.into(),
             Number::Real(value) => value.into(),
+            Number::Unknown { .. } => Self::NAN,
         }
     }
 }
@@ -169,6 +203,7 @@ impl fmt::Display for Number {
             Self::Whole(value) => value.fmt(out),
             // A real number shows that it is one.
             Self::Real(value) => write!(out, "{value:?}"),
+            Self::Unknown { ty, bits } => write!(out, "{bits:#010x} (unknown {ty})"),
         }
     }
 }
@@ -311,5 +346,19 @@ pub(crate) mod tests {
     #[test]
     fn a_manifest_reads_back_as_it_was_written() {
         assert_eq!(manifest().to_json(), PINNED);
+    }
+
+    #[test]
+    fn any_value_of_a_drive_reads_back() {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE, -0.0, 0.1] {
+            let text = serde_json::to_string(&Number::Real(value)).expect("JSON");
+            let read: Number = serde_json::from_str(&text).expect("a number");
+            let Number::Real(read) = read else { panic!("{text}: {read:?}") };
+            assert!(read.to_bits() == value.to_bits() || read.is_nan() && value.is_nan(), "{text}: {read}");
+        }
+        let unknown = Number::Unknown { ty: 77, bits: 0x0403_0201 };
+        let text = serde_json::to_string(&unknown).expect("JSON");
+        assert_eq!(serde_json::from_str::<Number>(&text).expect("a value"), unknown);
+        assert_eq!(unknown.to_string(), "0x04030201 (unknown 77)");
     }
 }

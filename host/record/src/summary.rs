@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::Path;
 
 use indexmap::IndexMap;
-use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::message::Identity;
+use lashloop_protocol::{MINOR_VERSION, PROTOCOL_VERSION};
 use serde::{Deserialize, Serialize};
 
 use lashloop_bench::atomic_file::WriteError;
@@ -166,7 +166,7 @@ impl Versions {
         let build = identity.build_id;
         Self {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
-            protocol: PROTOCOL_VERSION.to_string(),
+            protocol: format!("{PROTOCOL_VERSION}.{MINOR_VERSION}"),
             firmware: identity.firmware.to_string(),
             firmware_build: (build != 0).then(|| format!("{build:08x}")),
             firmware_dirty: identity.dirty != 0,

@@ -154,7 +154,7 @@ mod tests {
         let limit = session.parameter("torque_limit_nm").map(|limit| session.in_force(limit));
         Ok(limit.and_then(|limit| match limit {
             lashloop_protocol::enums::ParameterValue::F32(limit_nm) => Some(limit_nm),
-            lashloop_protocol::enums::ParameterValue::U32(_) => None,
+            _ => None,
         }))
     }
 

@@ -4,6 +4,7 @@ use std::fmt;
 
 use lashloop_protocol::message::FaultReport;
 use lashloop_record::diff::{Agreement, Tolerance, exact, figure};
+use lashloop_record::manifest::Number;
 use serde::{Serialize, Serializer};
 
 use super::recording::{RecordedStep, Recording};
@@ -69,11 +70,15 @@ fn fault<S: Serializer>(report: &FaultReport, serializer: S) -> Result<S::Ok, S:
     #[derive(Serialize)]
     struct Fault {
         code: String,
-        value: f32,
-        limit: f32,
+        value: Number,
+        limit: Number,
     }
-    Fault { code: format!("{:?}", report.code), value: report.value, limit: report.limit }
-        .serialize(serializer)
+    Fault {
+        code: report.code.to_string(),
+        value: Number::Real(report.value),
+        limit: Number::Real(report.limit),
+    }
+    .serialize(serializer)
 }
 
 impl TorquePair {
@@ -198,7 +203,7 @@ impl fmt::Display for Replay {
         match &self.end {
             Some(DriveEnd::Fault { step, report }) => writeln!(
                 out,
-                "fault       step {step}: the drive latched {:?} (value {}, limit {}); the record has no fault there",
+                "fault       step {step}: the drive latched {} (value {}, limit {}); the record has no fault there",
                 report.code, report.value, report.limit
             )?,
             Some(DriveEnd::Interrupted) => writeln!(out, "interrupted by the user")?,

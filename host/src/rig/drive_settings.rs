@@ -135,6 +135,7 @@ fn number(value: WireValue) -> f64 {
     match value {
         WireValue::U32(number) => number.into(),
         WireValue::F32(number) => number.into(),
+        WireValue::Unknown { .. } => f64::NAN,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use lashloop_protocol::enums::TorqueStatus;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, MAX_FRAME, Message, Numbered};
 
 use super::Codec;
 use crate::cycle::{Sample, Torque};
@@ -30,7 +30,9 @@ impl Codec<Sample> for Ours {
 
     #[inline(always)]
     fn decode(&mut self, mut frame: &[u8]) -> Sample {
-        let Some(Ok(HostMessage::EncoderSample(sample))) = self.decoder.next(&mut frame) else {
+        let Some(Ok(Numbered { message: HostMessage::EncoderSample(sample), .. })) =
+            self.decoder.next(&mut frame)
+        else {
             panic!("no sample")
         };
         let EncoderSample { sequence, motor_counts, load_counts, reference_rad } = sample;
@@ -50,11 +52,13 @@ impl Codec<Torque> for Ours {
 
     #[inline(always)]
     fn decode(&mut self, mut frame: &[u8]) -> Torque {
-        let Some(Ok(DriveMessage::TorqueAnswer(answer))) = self.decoder.next(&mut frame) else {
+        let Some(Ok(Numbered { message: DriveMessage::TorqueAnswer(answer), .. })) =
+            self.decoder.next(&mut frame)
+        else {
             panic!("no torque")
         };
         let TorqueAnswer { sequence, torque_nm, status, compute_tenths_us } = answer;
         let TorqueStatus { state, flags } = status;
-        Torque { sequence, torque_nm, state: state as u8, flags: flags.bits(), compute_tenths_us }
+        Torque { sequence, torque_nm, state: state.byte(), flags: flags.bits(), compute_tenths_us }
     }
 }

@@ -52,16 +52,20 @@ impl Device {
         self.connection.description(&self.session.identity)
     }
 
-    /// What casts doubt on a run, see [`Connection::warnings`].
+    /// What casts doubt on a run, see [`Connection::warnings`], and on the drive, see [`Session::oddities`].
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        self.connection.warnings(&self.session.identity)
+        let mut warnings = self.connection.warnings(&self.session.identity);
+        warnings.extend(self.session.oddities());
+        warnings
     }
 
-    /// The drive's origin for the record, see [`Connection::evidence`].
+    /// The drive's origin for the record, see [`Connection::evidence`], with the same warnings.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
-        self.connection.evidence(&self.session.identity)
+        let mut evidence = self.connection.evidence(&self.session.identity);
+        evidence.warnings.extend(self.session.oddities());
+        evidence
     }
 
     /// An error of the session as an error of this device, see [`Connection::explain`].

@@ -25,6 +25,15 @@ pub const BOARD: &str = "native-twin";
 pub struct Twin {
     /// The terminal; its path is for a host to open.
     pub terminal: Terminal,
+    /// The origin of device time.
+    boot: Instant,
+}
+
+impl From<Terminal> for Twin {
+    /// A drive that is powered up now.
+    fn from(terminal: Terminal) -> Self {
+        Self { terminal, boot: Instant::now() }
+    }
 }
 
 impl Twin {
@@ -33,7 +42,7 @@ impl Twin {
     /// # Errors
     /// As [`Terminal::open`].
     pub fn open() -> io::Result<Self> {
-        Ok(Self { terminal: Terminal::open()? })
+        Ok(Terminal::open()?.into())
     }
 
     /// Runs a drive with Lashloop's own laws, see [`Self::serve_laws`].
@@ -50,10 +59,10 @@ impl Twin {
     /// # Errors
     /// The line can't be shared.
     pub fn end_at_panics(&self) -> io::Result<()> {
-        let (line, report) = (self.terminal.far_end.try_clone()?, panic::take_hook());
+        let (line, report, boot) = (self.terminal.far_end.try_clone()?, panic::take_hook(), self.boot);
         panic::set_hook(Box::new(move |info| {
             let at = info.location().map_or(0, panic::Location::line);
-            let _ = rustix::io::write(&line, &fault_frame(FaultCode::Panic, at));
+            let _ = rustix::io::write(&line, &fault_frame(FaultCode::Panic, at, boot.elapsed()));
             report(info);
             process::exit(101);
         }));
@@ -71,7 +80,7 @@ impl Twin {
             changed: Condvar::new(),
             ended: AtomicBool::new(false),
             sending: Mutex::new(Vec::new()),
-            clock: BootClock(Instant::now()),
+            clock: BootClock(self.boot),
         };
         thread::scope(|scope| {
             scope.spawn(|| shared.serve_watchdog(line));

@@ -42,10 +42,10 @@ const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
 
 /// The loop of a run in bench mode.
 pub(super) struct BenchLoop<'a, S> {
-    scenario: &'a Scenario,
+    pub(super) scenario: &'a Scenario,
     pub(super) sink: S,
     pub(super) timeline: Timeline,
-    settings: LoopSettings,
+    pub(super) settings: LoopSettings,
     phase: BenchPhase,
     positions: BenchPositions,
     /// `None` in real time, where the clock bounds every wait.
@@ -174,7 +174,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
         let sample = match report {
-            BenchReport::Faulted(fault) => return Ok(Some(End::DriveFault(fault))),
+            BenchReport::Faulted(fault) => return Ok(Some(End::DriveFault(fault.into()))),
             BenchReport::Refused(state) => return self.find_fault(state, None, period, device).map(Some),
             BenchReport::Step(sample) => sample,
         };
@@ -338,7 +338,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         let fault = fault.and_then(|_| latched_fault(device)).map_err(|source| device.explain(source))?;
         let rule = AnswerRule::Running { state };
         let broken = BrokenRule { rule, step, sequence: sequence.unwrap_or_default() };
-        Ok(fault.map_or(End::RuleBroken(broken), End::DriveFault))
+        Ok(fault.map_or(End::RuleBroken(broken), |fault| End::DriveFault(fault.into())))
     }
 
     fn check_silence(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {

@@ -33,7 +33,7 @@ pub(super) struct ControlLoop<'a, S> {
     simulator: Simulator,
     pub(super) sink: S,
     pub(super) timeline: Timeline,
-    clock: ClockName,
+    pub(super) clock: ClockName,
     is_timed: bool,
     phase: Phase,
     answers: AnswerCheck,
@@ -212,7 +212,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             Err(source) => Err(device.explain(source).into()),
             Ok(Exchange::Answered(answer)) => Ok(self.take_answer(request, &answer, deadline, device)),
             Ok(Exchange::Rejected) => self.reject(device),
-            Ok(Exchange::Faulted(fault)) => Ok(ControlFlow::Break(End::DriveFault(fault))),
+            Ok(Exchange::Faulted(fault)) => Ok(ControlFlow::Break(End::DriveFault(fault.into()))),
             Ok(Exchange::Unanswered) if device.session.line.now() >= silent_at => {
                 let silent = device.session.line.silent("EncoderSample", limit);
                 self.lose(silent, device)
@@ -253,7 +253,8 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
         self.timeline.pause();
         let fault = latched_fault(device).map_err(|source| device.explain(source))?;
-        Ok(ControlFlow::Break(fault.map_or(End::RuleBroken(broken), End::DriveFault)))
+        let end = fault.map_or(End::RuleBroken(broken), |fault| End::DriveFault(fault.into()));
+        Ok(ControlFlow::Break(end))
     }
 
     fn give_up(&mut self) -> Exchanged {

@@ -112,7 +112,7 @@ fn from_sections(scenario: &Scenario, law: &Law) -> [(&'static str, &'static str
 fn default_of(session: &Session, law: &Law, name: &str) -> Option<f64> {
     match session.parameter(name).filter(|parameter| parameter.laws.contains(law.index))?.default {
         ParameterValue::F32(default) => Some(default.into()),
-        ParameterValue::U32(_) => None,
+        ParameterValue::U32(_) | ParameterValue::Unknown { .. } => None,
     }
 }
 

@@ -17,11 +17,11 @@ pub enum RunError {
     Scenario(#[from] ScenarioErrors),
     /// The drive's parameters contradict each other.
     #[error(
-        "the drive reports \"{log}\": change [controller.parameters], [encoders], [bench] or [run] in the scenario"
+        "the drive answered {cause}; change [controller.parameters], [encoders], [bench] or [run] in the scenario"
     )]
     Inconsistent {
-        /// The drive's log texts.
-        log: String,
+        /// The drive's answer in words, with the name of a parameter.
+        cause: String,
     },
     /// The scenario's plant can't be built.
     #[error(transparent)]

@@ -25,6 +25,7 @@
 //! | [`digest`] | digest of all torques |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
+//! | `drive_fault` | the fault of a drive that ended a run |
 //! | `error` | why a run fails |
 
 mod answer_check;
@@ -34,6 +35,7 @@ mod bench_positions;
 mod clock;
 mod control_loop;
 mod device_under_test;
+mod drive_fault;
 pub mod digest;
 mod drive_settings;
 mod error;
@@ -55,6 +57,7 @@ mod waiting_time;
 
 pub use clock::Clock;
 pub use device_under_test::DeviceUnderTest;
+pub use drive_fault::DriveFault;
 pub use drive_settings::takes_torque;
 pub use error::RunError;
 pub use outcome::{End, Outcome};

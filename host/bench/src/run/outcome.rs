@@ -3,14 +3,13 @@
 use std::fmt;
 
 use lashloop_protocol::enums::FaultCode;
-use lashloop_protocol::message::FaultReport;
 
+use super::drive_fault::DriveFault;
 use crate::fault::timeline::FaultRecord;
 use crate::timing::TimingReport;
 use crate::verdict::{BrokenRule, Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;
 use lashloop_plant::metrics::{Metrics, SignalTable};
-use lashloop_session::AtStep;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +17,7 @@ pub enum End {
     /// After its full duration.
     Complete,
     /// The drive latched a fault.
-    DriveFault(AtStep<FaultReport>),
+    DriveFault(DriveFault),
     /// The drive sent a torque answer that breaks a rule of the protocol.
     RuleBroken(BrokenRule),
     /// The drive restarted in the middle of the run.
@@ -95,22 +94,7 @@ impl fmt::Display for End {
             ),
             Self::Interrupted => write!(out, "interrupted by the user"),
             Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),
-            Self::DriveFault(fault) => {
-                let AtStep { step, message: FaultReport { code, value, limit, detail, .. } } = fault;
-                match code {
-                    FaultCode::Panic => write!(out, "the firmware panicked, source line {detail}"),
-                    FaultCode::ProcessorFault => {
-                        write!(
-                            out,
-                            "the processor took a fault at {detail:#010x}, or an interrupt of that number"
-                        )
-                    }
-                    _ => write!(
-                        out,
-                        "the drive latched {code:?} at sample {step} (value {value}, limit {limit})"
-                    ),
-                }
-            }
+            Self::DriveFault(fault) => fault.fmt(out),
         }
     }
 }

@@ -11,6 +11,8 @@ use super::step_sink::{Event, StepSink};
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
+use crate::timing::ClockName;
+use lashloop_session::LogEntry;
 
 /// Where the steps of a run come from.
 pub(super) enum StepSource {
@@ -78,9 +80,25 @@ impl<'a, S: StepSink> RunLoop<'a, S> {
             self.sink().take_event(step, Event::Fault(edge))?;
         }
         while let Some(entry) = device.session.line.logs.next_new() {
+            let step = self.step_of(&entry, step, device);
             self.sink().take_event(step, Event::Log(entry))?;
         }
         Ok(())
+    }
+
+    /// The step in which the drive formed a text that has arrived by `present`. In lockstep time has no steps.
+    fn step_of(&self, entry: &LogEntry, present: u32, device: &mut Device) -> u32 {
+        let (clock, scenario) = match self {
+            Self::Hil(control) => (control.clock, control.scenario),
+            Self::Bench(bench) => (bench.settings.clock, bench.scenario),
+        };
+        let (ClockName::RealTime, LogEntry::Received { formed_at: Some(formed_at), .. }) = (clock, entry)
+        else {
+            return present;
+        };
+        let ago = device.session.line.now().saturating_duration_since(*formed_at);
+        let periods = ago.as_micros() / u128::from(scenario.run.control_period_us);
+        present.saturating_sub(u32::try_from(periods).unwrap_or(u32::MAX))
     }
 
     fn sink(&mut self) -> &mut S {

@@ -246,6 +246,10 @@ fn run_to_end<'a, S: StepSink>(
     if stopped.is_err() {
         device.session.abandon();
     }
+    let end = end.map(|end| with_own_names(end, device));
+    if let Some(warning) = device.session.telemetry_warning() {
+        device.session.line.logs.note(warning);
+    }
     let last = u32::try_from(control.counts().steps).unwrap_or(u32::MAX);
     let finished = control.finish(device);
     control.pass_events_on(last, device)?;
@@ -256,6 +260,24 @@ fn run_to_end<'a, S: StepSink>(
         stopped?;
     }
     Ok(Closed { end, counts: control.counts(), wall_s, faults })
+}
+
+/// The end of a run with the drive's own names of what this bench doesn't know.
+fn with_own_names(end: End, device: &mut Device) -> End {
+    let line = &mut device.session.line;
+    match end {
+        End::DriveFault(fault) => {
+            let name = line.own_name(fault.code);
+            End::DriveFault(fault.named(name))
+        }
+        End::RuleBroken(broken) => {
+            if let Some(name) = broken.rule.state().and_then(|state| line.own_name(state)) {
+                line.logs.note(format!("the state of the drive is {name}"));
+            }
+            End::RuleBroken(broken)
+        }
+        end => end,
+    }
 }
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {

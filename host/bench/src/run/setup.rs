@@ -20,6 +20,8 @@ use lashloop_session::{SessionError, SetError, SubscribeError};
 const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);
 /// Time for which a busy machine may stop the bench. Every drive takes it as its watchdog.
 const LONGEST_STALL: Duration = Duration::from_secs(30);
+/// Detail of `EncoderImplausible`: the encoders were not read since power-up.
+const NOT_READ: u32 = 1;
 /// Time between two attempts.
 const FIRST_READING_INTERVAL: Duration = Duration::from_millis(10);
 
@@ -82,6 +84,9 @@ pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
         ParameterValue::U32(us) => Ok(Duration::from_micros(us.into())),
         ParameterValue::F32(us) => Duration::try_from_secs_f32(1e-6 * us)
             .map_err(|error| device.unfit(format!("its watchdog_us is {us}: {error}")).into()),
+        unknown @ ParameterValue::Unknown { .. } => {
+            Err(device.unfit(format!("its watchdog_us is {unknown} ({})", unknown.ty())).into())
+        }
     }
 }
 
@@ -93,7 +98,10 @@ pub(super) fn torque_limit_nm(device: &mut Device) -> Result<f32, RunError> {
     match in_force(device, TORQUE_LIMIT_NM)? {
         ParameterValue::F32(limit_nm) if limit_nm >= 0.0 => Ok(limit_nm),
         other => Err(device
-            .unfit(format!("its {TORQUE_LIMIT_NM} is {other:?}; it must be an F32 of 0 N m or more"))
+            .unfit(format!(
+                "its {TORQUE_LIMIT_NM} is {other} ({}); it must be an F32 of 0 N m or more",
+                other.ty()
+            ))
             .into()),
     }
 }
@@ -134,7 +142,7 @@ pub(super) fn start(device: &mut Device, mode: RunMode) -> Result<(), SessionErr
     let give_up = device.session.line.now() + FIRST_READING_LIMIT;
     loop {
         match device.session.start() {
-            Err(SessionError::Refused { outcome: Outcome::EncoderImplausible, .. })
+            Err(SessionError::Refused { outcome: Outcome::EncoderImplausible, detail: NOT_READ, .. })
                 if mode == RunMode::Bench && device.session.line.now() < give_up =>
             {
                 let next = device.session.line.now() + FIRST_READING_INTERVAL;
@@ -148,7 +156,9 @@ pub(super) fn start(device: &mut Device, mode: RunMode) -> Result<(), SessionErr
 /// The error for a drive that does not start. Parameters that contradict each other are the scenario's error.
 pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
     match source {
-        SessionError::Refused { outcome: Outcome::Inconsistent, log, .. } => RunError::Inconsistent { log },
+        SessionError::Refused { outcome: Outcome::Inconsistent, cause, .. } => {
+            RunError::Inconsistent { cause }
+        }
         source => device.explain(source).into(),
     }
 }

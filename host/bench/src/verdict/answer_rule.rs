@@ -53,6 +53,15 @@ pub enum AnswerRule {
 }
 
 impl AnswerRule {
+    /// The state that breaks the rule, if it is one of states.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        match *self {
+            Self::ZeroUnlessRunning { state, .. } | Self::Running { state } => Some(state),
+            _ => None,
+        }
+    }
+
     /// Number of the rule in docs/protocol.md.
     #[must_use]
     pub fn number(&self) -> &'static str {
@@ -94,13 +103,13 @@ impl AnswerRule {
             | Self::WithinLimit { torque_nm, .. }
             | Self::SaturatedAtLimit { torque_nm, .. } => format!("torque {torque_nm} N m"),
             Self::ZeroUnlessRunning { torque_nm, state } => {
-                format!("torque {torque_nm} N m in state {state:?}")
+                format!("torque {torque_nm} N m in state {state}")
             }
             Self::GapFlagged => "no flag GAP".to_owned(),
             Self::GapOnlyAfterGap => "flag GAP".to_owned(),
             Self::RepeatedOnlyIfRetransmitted => "flag REPEATED".to_owned(),
             Self::ReferenceSent { number } => format!("reference {number}"),
-            Self::Running { state } => format!("state {state:?} without a fault report"),
+            Self::Running { state } => format!("state {state} without a fault report"),
         }
     }
 

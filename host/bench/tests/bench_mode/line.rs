@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::BenchSample;
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, Message};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, Message, Numbered};
 
 /// What becomes of a report.
 #[derive(Debug, Clone, Copy)]
@@ -79,8 +79,8 @@ impl Link for Changed {
             let mut bytes = &received[..count];
             let mut passed = Vec::new();
             while let Some(message) = self.decoder.next::<DriveMessage>(&mut bytes) {
-                let message = message.expect("a drive in process sends good frames");
-                passed.extend(self.line.pass(message).map(|message| message.frame().to_vec()));
+                let Numbered { number, message } = message.expect("a drive in process sends good frames");
+                passed.extend(self.line.pass(message).map(|it| it.numbered_frame(number).to_vec()));
             }
             let passed = passed.concat();
             buffer[..passed.len()].copy_from_slice(&passed);

@@ -60,9 +60,9 @@ fn run_that_ended_early_has_no_number() {
     let metrics = metrics(0.0, 0.16, 0.0);
     let complete = of(&End::Complete, Verdict::Fail, &metrics, 1e4);
     assert_eq!(complete[Metric::SettleTime as usize], Cell::Value(0.0));
-    let fault =
-        FaultReport { code: FaultCode::MotorEncoderJump, sequence: 40, value: 1.0, limit: 1.0, detail: 0 };
-    let fault = AtStep { step: 40, message: fault };
+    let (code, device_time_us) = (FaultCode::MotorEncoderJump, None);
+    let fault = FaultReport { code, sequence: 40, value: 1.0, limit: 1.0, detail: 0, device_time_us };
+    let fault = AtStep { step: 40, message: fault }.into();
     let chattering = End::Diverged(PlantError::Chattering { substep_s: 1e-3 });
     let away = End::Diverged(PlantError::NotFinite { torque_nm: 1e300 });
     for (end, verdict, reason) in [

@@ -22,7 +22,7 @@ fn a_capture_holds_the_whole_conversation_frame_by_frame() {
     let mut running = false;
     for packet in &packets[1..] {
         let mut rest = &packet.bytes[..];
-        let message = Decoder::new().next::<AnyMessage>(&mut rest).unwrap().unwrap();
+        let message = Decoder::new().next::<AnyMessage>(&mut rest).unwrap().unwrap().message;
         assert!(rest.is_empty(), "one frame a packet, its delimiter last");
         assert_eq!(packet.direction, Some(message.layout().direction), "{message:?}");
         match message {

@@ -46,7 +46,7 @@ fn bad_frames_are_shown_with_their_reason_and_place() {
     insta::assert_snapshot!(decode(&["-", "--json"], &stream.concat()));
 }
 
-/// A good frame of an unknown kind.
+/// A good frame of a kind that no host of this version sends.
 fn unknown_kind() -> Vec<u8> {
     let body = [0x7e_u8, 5];
     let mut frame = vec![0];

@@ -7,12 +7,13 @@ use std::path::PathBuf;
 use lashloop_decode::capture::pcapng;
 use lashloop_decode::message::AnyMessage;
 use lashloop_decode::{DecodedMessage, StreamReader};
-use lashloop_protocol::Message;
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::field_value::{FieldValue, SetFlags};
 use lashloop_protocol::layout::{Direction, FieldType};
+use lashloop_protocol::{Message, cobs, crc};
 use tempfile::TempDir;
 
+use crate::examples::NUMBER;
 use crate::support::{example_frame, example_frames, root, short_run, subscribed_frames, tshark};
 
 const INFO_ALONE: [&str; 2] = ["-o", "gui.column.format:\"Info\",\"%i\""];
@@ -87,8 +88,12 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
         };
         assert_eq!(shown("kind"), format!("{:#04x}", found.layout.kind));
         assert_eq!(shown("crc.status"), "1");
+        let of_request = found.layout.has_number().then(|| NUMBER.to_string());
+        assert_eq!(layer["lashloop.number"].as_str(), of_request.as_deref(), "{}", found.layout.name);
+        assert_eq!(layer["lashloop.newer"].as_str(), None, "{}", found.layout.name);
         for (layout, value) in found.fields() {
-            let name = layout.name;
+            // `lashloop.number` is the number of a request.
+            let name = if layout.name == "number" { "reference_number" } else { layout.name };
             match value {
                 FieldValue::Unsigned(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
                 FieldValue::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
@@ -99,23 +104,18 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                         shown.iter().map(|it| it.as_str().unwrap().parse().unwrap()).collect();
                     assert_eq!(shown, values.as_slice(), "{name}");
                 }
-                FieldValue::Name(value) => {
-                    let FieldType::Enum(names) = layout.ty else { panic!("{name} isn't a list of names") };
-                    let byte = names.values.iter().find(|(_, name)| *name == value).unwrap().0;
-                    assert_eq!(shown(name), byte.to_string(), "{name}");
-                }
+                FieldValue::Name(value) => assert_eq!(shown(name), value.byte.to_string(), "{name}"),
                 FieldValue::Flags(flags) => {
                     let FieldType::Flags(names) = layout.ty else { panic!("{name} has no flags") };
                     assert_eq!(number(&shown(name)), bits(names.flags, flags), "{name}");
                 }
                 FieldValue::Status(state, flags) => {
-                    let FieldType::Status { states, flags: names } = layout.ty else {
+                    let FieldType::Status { flags: names, .. } = layout.ty else {
                         panic!("{name} isn't a status")
                     };
-                    let value = states.values.iter().find(|(_, name)| *name == state).unwrap().0;
                     let below = &layer[format!("lashloop.{name}_tree")];
-                    assert_eq!(below[format!("lashloop.{name}.state")], value.to_string(), "{name}");
-                    let whole = bits(names.flags, flags) | value;
+                    assert_eq!(below[format!("lashloop.{name}.state")], state.byte.to_string(), "{name}");
+                    let whole = bits(names.flags, flags) | state.byte;
                     assert_eq!(number(&shown(name)), whole, "{name}");
                 }
                 FieldValue::Text(value) => assert_eq!(shown(name), value, "{name}"),
@@ -128,6 +128,9 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                 FieldValue::Parameter(ParameterValue::F32(value)) => {
                     assert_eq!(shown(&format!("{name}.type")), "2");
                     assert_eq!(shown(&format!("{name}.f32")).parse(), Ok(value), "{name}");
+                }
+                FieldValue::Parameter(ParameterValue::Unknown { .. }) => {
+                    panic!("{name} has a type without a name")
                 }
                 FieldValue::Version(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
             }
@@ -165,6 +168,52 @@ fn telemetry_has_the_names_of_the_subscribed_signals() {
     // Two passes: packets are shown again, out of order with those that name their signals.
     let two_passes = tshark(&path, &[&["-2"], &INFO_ALONE[..]].concat());
     assert_eq!(two_passes.as_deref(), Some(info.as_str()));
+}
+
+/// A frame around any body.
+fn frame_around(body: &[u8]) -> Vec<u8> {
+    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
+    cobs::stuff(&mut frame);
+    frame.push(0);
+    frame
+}
+
+#[test]
+fn what_a_newer_version_adds_is_shown_and_not_refused() {
+    let inside_time: &[u8] = &[0x85, 7, 5, 1, 3, 0, 0, 0, 0, 1, 2, 3];
+    let of_fault = [&[0x92, 77, 2, 1][..], &[0; 8], &[9, 0, 0, 0]].concat();
+    let of_parameter = [&[0x82, 7, 3, 0x83, 1, 0][..], &[77, 1, 2, 3, 4], &[9; 10], &[b'x'; 37]].concat();
+    let bodies: [&[u8]; 13] = [
+        // Kinds: with number and bytes, alone, without a number.
+        &[0x42, 7, 0xa1, 0xa2, 0xa3],
+        &[0x42],
+        &[0x1f, 0xa1],
+        &[0xf0, 7, 0xa1],
+        // Bytes after the fields, and fewer than those of the optional field.
+        &[0x07, 7, 0xa1, 0xa2],
+        &[0x85, 7, 6, 2, 1, 0, 0, 0, 0, 4, 3, 2, 1, 0xa1, 0xa2, 0xa3, 0xa4, 0xa5],
+        inside_time,
+        // Values and flags.
+        &[0x85, 7, 0x42, 77, 9, 5, 0, 0, 0],
+        &[0x90, 2, 1, 0, 0, 0, 0, 0xc9, 0, 0],
+        &of_parameter,
+        &[0x83, 7, 3, 1, 77, 1, 2, 3, 4, 2, 0, 0, 0, 0],
+        &[0x04, 7, 3, 77, 0xff, 0xff, 0xff, 0xff],
+        &of_fault,
+    ];
+    let frames: Vec<_> = bodies.iter().map(|body| frame_around(body)).collect();
+    let (_folder, path) = capture(&frames);
+    let Some(info) = tshark(&path, &INFO_ALONE) else { return };
+    insta::assert_snapshot!(info);
+    let shown = |filter: &str, field: &str| {
+        let text = tshark(&path, &["-Y", filter, "-T", "fields", "-e", "frame.number", "-e", field]).unwrap();
+        text.trim_end().replace('\t', " ")
+    };
+    assert_eq!(shown("lashloop.refused || lashloop.malformed", "lashloop.kind"), "");
+    let newer = "1 a1a2a3\n3 a1\n4 a1\n5 a1a2\n6 a1a2a3a4a5\n7 010203";
+    assert_eq!(shown("lashloop.newer", "lashloop.newer"), newer);
+    assert_eq!(shown("lashloop.device_time_us", "lashloop.device_time_us"), "6 16909060");
+    assert_eq!(shown("lashloop.value.unknown == 0x04030201", "lashloop.value.type"), "11 77");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use lashloop_protocol::{DriveMessage, Message};
 use lashloop_record::reader::Record;
 use tempfile::TempDir;
 
-use crate::examples;
+use crate::examples::{self, NUMBER};
 
 pub const LASHLOOP: &str = env!("CARGO_BIN_EXE_lashloop");
 /// Control steps of [`short_run`].
@@ -37,8 +37,9 @@ pub fn text(bytes: &[u8]) -> &str {
 
 /// The frames of every pinned message, the host's first.
 pub fn example_frames() -> Vec<Vec<u8>> {
-    let from_host = examples::from_host().into_iter().map(|message| message.frame().to_vec());
-    let from_drive = examples::from_drive().into_iter().map(|message| message.frame().to_vec());
+    let from_host = examples::from_host().into_iter().map(|message| message.numbered_frame(NUMBER).to_vec());
+    let from_drive =
+        examples::from_drive().into_iter().map(|message| message.numbered_frame(NUMBER).to_vec());
     from_host.chain(from_drive).collect()
 }
 
@@ -50,8 +51,14 @@ pub fn example_frame(name: &str) -> Vec<u8> {
 
 /// The pinned subscription, accepted, with the description of one of its signals before it and its telemetry after it.
 pub fn subscribed_frames() -> Vec<Vec<u8>> {
-    let (request, outcome, state) = (Subscribe::LAYOUT.kind, Outcome::Accepted, State::Idle);
-    let accepted = DriveMessage::from(CommandResult { request, outcome, state }).frame().to_vec();
+    let accepted = CommandResult {
+        request: Subscribe::LAYOUT.kind,
+        outcome: Outcome::Accepted,
+        state: State::Idle,
+        detail: 0,
+        device_time_us: None,
+    };
+    let accepted = DriveMessage::from(accepted).numbered_frame(NUMBER).to_vec();
     let [description, subscribe, telemetry] =
         ["SignalDescription", "Subscribe", "Telemetry"].map(example_frame);
     vec![description, subscribe, accepted, telemetry]

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::State;
+use lashloop_protocol::enums::{Capabilities, State};
+use lashloop_protocol::layout::FieldType;
 use lashloop_protocol::message::Identity;
 
 use super::finding::Finding;
@@ -74,9 +75,14 @@ pub(super) fn drained() -> Finding {
 
 pub(super) fn handshake(identity: &Identity) -> Finding {
     let board = printable(identity.board.as_str());
-    let Identity { protocol_version, firmware, build_id, state, .. } = identity;
+    let Identity { protocol_version, minor_version, firmware, build_id, state, .. } = identity;
+    let bits = [identity.capabilities.bits()];
+    // Any byte is a set of flags.
+    let capabilities = FieldType::Flags(Capabilities::SET).value(&bits);
+    let capabilities = capabilities.map_or_else(String::new, |it| it.to_string());
     let who = format!(
-        "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
+        "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}.{minor_version}, \
+         capabilities {capabilities}, state {state}"
     );
     match state {
         State::Idle => Finding::fine("handshake", who),
@@ -89,6 +95,11 @@ pub(super) fn handshake(identity: &Identity) -> Finding {
             format!("{who}: expected Idle after the handshake; power the drive off and on"),
         ),
     }
+}
+
+/// What contradicts itself in the drive's description.
+pub(super) fn oddity(text: String) -> Finding {
+    Finding::wrong("description", text)
 }
 
 pub(super) fn round_trip(timing: &Timing) -> Finding {
@@ -244,6 +255,7 @@ mod tests {
     fn latched_fault_is_wrong_and_an_idle_drive_is_not() {
         let identity = |state| Identity {
             protocol_version: 1,
+            minor_version: 0,
             session: 7,
             firmware: lashloop_protocol::enums::Version { major: 0, minor: 1, patch: 0 },
             build_id: 0xc0ffee,
@@ -256,8 +268,12 @@ mod tests {
             law_count: 1,
             parameter_count: 27,
             signal_count: 0,
+            capabilities: Capabilities::LOADER | Capabilities::from_bits_retain(0x80),
+            device_time_us: None,
         };
         assert!(!handshake(&identity(State::Idle)).is_wrong());
+        let text = handshake(&identity(State::Idle)).text;
+        assert!(text.contains("protocol version 1.0, capabilities LOADER|bit 7, state Idle"), "{text}");
         assert!(handshake(&identity(State::Faulted)).is_wrong());
     }
 }

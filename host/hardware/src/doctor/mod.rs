@@ -90,6 +90,7 @@ fn examine_steps(
     };
     let mut session = Session::open(link, session_number()).map_err(failed("handshake"))?;
     report(assessment::handshake(&session.identity));
+    session.oddities().into_iter().map(assessment::oddity).for_each(&mut *report);
     let timing = round_trip::measure(&mut session, rounds).map_err(failed("round trip"))?;
     report(assessment::round_trip(&timing));
     assessment::losses(&timing, session.traffic().damaged).into_iter().for_each(&mut *report);

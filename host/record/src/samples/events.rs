@@ -23,7 +23,8 @@ pub struct RecordedEdge {
 /// A text of the drive, or of the bench about the drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordedText {
-    /// Step of its arrival. Texts from before the run have step 0.
+    /// Step in which the drive formed it, in real time and by a drive with a clock; else that of its arrival. Texts from before
+    /// the run have step 0.
     pub step: u64,
     /// The text, behind its level.
     pub text: String,

@@ -68,6 +68,7 @@ fn number(number: Number) -> String {
     match number {
         Number::Whole(value) => value.to_string(),
         Number::Real(value) => typeset::shown(f64::from(value)),
+        unknown @ Number::Unknown { .. } => unknown.to_string(),
     }
 }
 
