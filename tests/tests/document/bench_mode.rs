@@ -1,107 +1,140 @@
-//! Section 18: the parameters of bench mode, its requests, and the faults of its events.
+//! Section 18: what refuses to arm in bench mode, its requests, and the faults of its events.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use lashloop_firmware::drive::PinParameters;
-use lashloop_firmware::law::ParameterGroup;
 use lashloop_firmware::power_stage::PowerStageFault;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::Arm;
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
+use lashloop_protocol::message::{Arm, EmergencyStop, Reference, Reset};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use crate::host::SESSION;
+use crate::host::{SESSION, names, refusal, rest};
 use crate::markdown::{section, table};
-use crate::pin_host::{PERIOD, PinHost};
+use crate::pin_host::{PERIOD, PinHost, index};
 
-pub const BENCH_MODE: &str = "## 18. Bench mode";
+const FAULTS: &str = "### Faults of bench mode";
 const EVENTS: &str = "event in Running of bench mode";
 
 /// The codes of the events of bench mode.
 pub fn faults() -> BTreeSet<String> {
-    let rows = table(section(BENCH_MODE), EVENTS);
+    let rows = table(section(FAULTS), EVENTS);
     rows.iter().flat_map(|row| row[2].split(" or ").map(str::to_owned)).collect()
 }
 
-#[test]
-fn the_table_of_parameters_of_bench_mode_matches_the_drive() {
-    let rows = table(section(BENCH_MODE), "name");
-    assert_eq!(rows.len(), PinParameters::TABLE.len());
-    for (row, parameter) in rows.iter().zip(PinParameters::TABLE) {
-        let range = parameter.range;
-        let want = [
-            parameter.name.to_owned(),
-            format!("{:?}", range.default().ty()),
-            range.default().to_string(),
-            range.min().to_string(),
-            range.max().to_string(),
-            parameter.unit.to_owned(),
-        ];
-        assert_eq!(row[..6], want);
-        for name in range.choices().unwrap_or_default() {
-            assert!(row[6].contains(name), "{} has the choice {name}", parameter.name);
-        }
-    }
-}
-
-#[test]
-fn the_mode_has_the_kinds_that_no_other_section_has() {
-    let states = table(section("## 6. States"), "request");
-    let requests: BTreeSet<_> = states.iter().filter_map(|row| row[0].split(',').next()).collect();
-    let further: Vec<_> =
-        HostMessage::LAYOUTS.iter().map(|it| it.name).filter(|name| !requests.contains(name)).collect();
-    assert_eq!(further, ["Reference", "EnterLoader"]);
-    assert!(section(BENCH_MODE).contains("A `Reference` in `Running` gets no answer"));
-}
-
-/// Makes the refusals of the table, in its order.
-fn refuse(case: &str) -> Vec<PinHost> {
+/// Makes the refusals of a case of the table, each with the detail of its answer.
+fn refuse(case: &str) -> Vec<(PinHost, u32)> {
     use ParameterValue::{F32, U32};
-    let with = |name, value| PinHost::with(&[(name, value)]);
-    let read = |happen: fn(&mut PinHost)| {
+    let with = |name, value, of: &str| (PinHost::with(&[(name, value)]), index(of).into());
+    let read = |detail, happen: fn(&mut PinHost)| {
         let mut host = PinHost::with(&[]);
         happen(&mut host);
         host.tick();
-        host
+        (host, detail)
     };
     match case.split([' ', ',']).next().unwrap_or_default() {
-        "duty_min" => vec![with("duty_min", F32(0.6)), with("duty_max", F32(0.4))],
-        "a" => vec![with("torque_per_duty_nm", F32(200.0))],
-        "the" if case.starts_with("the timer") => {
-            vec![with("period_us", U32(65_536)), with("period_us", U32(2000))]
+        "duty_min" => {
+            vec![with("duty_min", F32(0.6), "duty_min"), with("duty_max", F32(0.4), "duty_offset")]
         }
-        "the" if case.starts_with("the encoders") => vec![PinHost::unread()],
-        "the" => {
-            let fault = |fault| {
-                let mut host = PinHost::with(&[]);
-                host.readings.stage_fault = Some(fault);
-                host.tick();
-                host
-            };
-            vec![fault(PowerStageFault::BreakInput), fault(PowerStageFault::FaultLine)]
-        }
-        "both" => vec![
-            read(|host| host.readings.motor.illegal_transitions = 1),
-            read(|host| host.readings.load.illegal_transitions = 1),
+        "a" => vec![with("torque_per_duty_nm", F32(200.0), "torque_limit_nm")],
+        "the" if case.starts_with("the timer") => vec![
+            with("period_us", U32(65_536), "period_us"),
+            with("period_us", U32(2000), "motor_speed_limit_rad_s"),
         ],
-        "an" => vec![read(|host| host.turn(22_000, 0)), read(|host| host.turn(0, 2_500))],
+        "the" if case.starts_with("the encoders") => vec![(PinHost::unread(), 1)],
+        "the" => vec![
+            read(1, |host| host.readings.stage_fault = Some(PowerStageFault::BreakInput)),
+            read(2, |host| host.readings.stage_fault = Some(PowerStageFault::FaultLine)),
+        ],
+        "both" => vec![
+            read(4, |host| host.readings.motor.illegal_transitions = 1),
+            read(5, |host| host.readings.load.illegal_transitions = 1),
+        ],
+        "an" => vec![read(2, |host| host.turn(22_000, 0)), read(3, |host| host.turn(0, 2_500))],
         other => panic!("this test can't reach the case {other:?} of the document"),
     }
 }
 
 #[test]
 fn every_case_that_refuses_to_arm_has_the_documented_outcome() {
-    let rows = table(section(BENCH_MODE), "case");
+    let rows = table(section("### Arming in bench mode"), "case");
     assert_eq!(rows.len(), 7);
     for row in rows {
-        for mut host in refuse(&row[0]) {
+        let (case, outcome, details) = (&row[0], &row[1], &row[2]);
+        for (mut host, detail) in refuse(case) {
             let answers = host.send(Arm { session: SESSION });
-            let [DriveMessage::Log(_), DriveMessage::CommandResult(result)] = answers[..] else {
-                panic!("{}: {answers:?}", row[0])
-            };
-            assert_eq!(format!("{:?}", result.outcome), row[1], "{}", row[0]);
-            assert_eq!(result.state, State::Idle);
-            assert_ne!(result.outcome, Outcome::Accepted);
+            let [DriveMessage::CommandResult(it)] = answers[..] else { panic!("{case}: {answers:?}") };
+            assert_eq!((it.outcome.to_string(), it.detail), (outcome.clone(), detail), "{case}");
+            assert!(
+                details.contains(&detail.to_string()) || it.outcome == Outcome::Inconsistent,
+                "{case}: {detail}"
+            );
+            assert_eq!(it.state, State::Idle);
+        }
+    }
+}
+
+/// What the documents call a request of bench mode.
+fn request(name: &str, host: &mut PinHost) -> HostMessage {
+    match name {
+        "Reference" => {
+            host.number += 1;
+            Reference { number: host.number, reference_rad: 0.0 }.into()
+        }
+        "EncoderSample" => rest(0).into(),
+        other => panic!("this test can't make the request {other:?} of the document"),
+    }
+}
+
+/// A drive in bench mode in this state.
+fn in_state(state: State) -> PinHost {
+    let mut host = match state {
+        State::Running => return PinHost::running(&[]),
+        _ => PinHost::with(&[]),
+    };
+    match state {
+        State::Boot => drop(host.send(Reset {})),
+        State::Armed => assert_eq!(host.arm().1, State::Armed),
+        State::Faulted => drop(host.send(EmergencyStop {})),
+        _ => {}
+    }
+    assert_eq!(host.drive.state(), state);
+    host
+}
+
+#[test]
+fn every_request_of_bench_mode_in_every_state_matches_the_table() {
+    for row in table(section("### Requests of bench mode"), "request in bench mode") {
+        for (&state, cell) in State::ALL.iter().zip(&row[1..]) {
+            let mut host = in_state(state);
+            let message = request(&row[0], &mut host);
+            let refused = refusal(&host.send(message));
+            let have = refused.map_or(format!("-> {:?}", host.drive.state()), |outcome| outcome.to_string());
+            assert_eq!(have, *cell, "{} in {state}", row[0]);
+        }
+    }
+}
+
+#[test]
+fn the_requests_of_bench_mode_get_the_documented_answers_in_order() {
+    for row in table(section("### Requests of bench mode"), "request") {
+        let (name, case) = (&row[0], &row[1]);
+        let mut hosts = match &**case {
+            "Running of bench mode" => vec![in_state(State::Running)],
+            "any other state, HIL mode" => {
+                let hil = PinHost::with(&[("sample_source", ParameterValue::U32(0))]);
+                vec![in_state(State::Boot), in_state(State::Armed), in_state(State::Faulted), hil]
+            }
+            "Running, later than the watchdog allows" => {
+                let mut host = in_state(State::Running);
+                host.clock.advance(Duration::from_millis(21));
+                vec![host]
+            }
+            other => panic!("this test can't reach the case {other:?} of the document"),
+        };
+        for host in &mut hosts {
+            let message = request(name, host);
+            let have = names(&host.send(message));
+            assert_eq!(if have.is_empty() { "none" } else { &have }, row[2], "{name}: {case}");
         }
     }
 }
@@ -156,7 +189,7 @@ fn happen(event: &str) -> Vec<(FaultCode, Vec<DriveMessage>, PinHost)> {
 
 #[test]
 fn every_event_of_bench_mode_latches_the_documented_fault() {
-    for row in table(section(BENCH_MODE), EVENTS) {
+    for row in table(section(FAULTS), EVENTS) {
         for (code, answers, host) in happen(&row[0]) {
             assert!(row[2].split(" or ").any(|name| name == format!("{code:?}")), "{}", row[0]);
             assert_eq!(row[1], "Faulted");

@@ -102,14 +102,19 @@ fn a_report_keeps_its_sequence_after_the_run_and_over_sessions() {
     host.send(off(5));
     host.send(off(2000));
     host.send(Stop {});
-    host.send(Hello { session: SESSION + 1, ..HELLO });
+    host.send(Hello::new(SESSION + 1));
     assert_eq!(sequence(&mut host), 5);
     let first = host.send(HELLO);
     host.wait(10 * LATE);
     host.send(off(6));
     host.send(Stop {});
     for session in [SESSION, SESSION + 1] {
-        assert_eq!(report(&host.send(Hello { session, ..HELLO })), report(&first));
+        let again = report(&host.send(Hello::new(session)));
+        assert!(again.device_time_us > report(&first).device_time_us, "the time of this answer");
+        assert_eq!(
+            FaultReport { device_time_us: None, ..again },
+            FaultReport { device_time_us: None, ..report(&first) }
+        );
     }
     host.send(request("ClearFault"));
     host.send(HELLO);
@@ -128,7 +133,7 @@ fn a_version_of_0_or_255_is_another_version_and_feeds_no_watchdog() {
     host.send(off(0));
     for protocol_version in [0, 255] {
         host.wait(WATCHDOG / 2);
-        let answers = host.send(Hello { protocol_version, session: 1 });
+        let answers = host.send(Hello { protocol_version, ..Hello::new(1) });
         assert_eq!(refusal(&answers), Some(Outcome::VersionMismatch));
         assert!(
             matches!(answers[0], DriveMessage::Identity(it) if (it.session, it.state) == (1, State::Running))

@@ -6,6 +6,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop, Subscribe,
@@ -14,17 +15,19 @@ use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
-pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
+pub const HELLO: Hello = Hello::new(SESSION);
 
 pub struct Host<L: LawSet = Laws> {
     pub drive: Drive<L>,
     clock: ManualClock,
+    /// Number of the last request.
+    number: u8,
 }
 
 impl<L: LawSet> Host<L> {
     /// A drive in this state, by the shortest sequence of requests.
     pub fn with_laws_in_state(state: State) -> Self {
-        let mut host = Self { drive: Drive::with_laws("document"), clock: ManualClock::default() };
+        let mut host = Self { drive: Drive::with_laws("document"), clock: ManualClock::default(), number: 0 };
         let requests: &[HostMessage] = &[
             HELLO.into(),
             Arm { session: SESSION }.into(),
@@ -37,6 +40,7 @@ impl<L: LawSet> Host<L> {
             State::Armed => 2,
             State::Running => 3,
             State::Faulted => 4,
+            State::Unknown(byte) => panic!("no drive has the state {byte:?}"),
         };
         for request in &requests[..steps] {
             host.send(*request);
@@ -45,10 +49,18 @@ impl<L: LawSet> Host<L> {
         host
     }
 
+    /// The answers to a request of the next number, which they must repeat.
     pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
-        let frame = message.into().frame();
-        assert_eq!(self.drive.receive(&frame, &self.clock), frame.len());
-        self.receive()
+        let message = message.into();
+        self.number = self.number % u8::MAX + 1;
+        let number = if message.layout().has_number() { self.number } else { 0 };
+        self.exchange(&message.numbered_frame(number), number)
+    }
+
+    /// The answers to the bytes of a request, each with this number if its kind has one.
+    pub fn exchange(&mut self, frame: &[u8], number: u8) -> Vec<DriveMessage> {
+        assert_eq!(self.drive.receive(frame, &self.clock), frame.len());
+        self.receive(number)
     }
 
     /// A sample with the load and the motor at rest at zero.
@@ -64,14 +76,19 @@ impl<L: LawSet> Host<L> {
     /// Makes the drive check its watchdog.
     pub fn tick(&mut self) -> Vec<DriveMessage> {
         self.drive.tick(self.clock.now());
-        self.receive()
+        self.receive(0)
     }
 
-    fn receive(&mut self) -> Vec<DriveMessage> {
+    fn receive(&mut self, number: u8) -> Vec<DriveMessage> {
         let mut decoder = Decoder::new();
         let mut output = self.drive.output();
-        let answers =
-            std::iter::from_fn(|| decoder.next(&mut output)).map(|it| it.expect("a good frame")).collect();
+        let mut answers = Vec::new();
+        while let Some(answer) = decoder.next::<DriveMessage>(&mut output) {
+            let answer = answer.expect("a good frame");
+            let expected = if has_number(answer.message.layout().kind) { number } else { 0 };
+            assert_eq!(answer.number, expected, "{answer:?}");
+            answers.push(answer.message);
+        }
         self.drive.clear_output();
         answers
     }
@@ -119,14 +136,17 @@ pub fn request(name: &str) -> HostMessage {
     match name {
         "Hello, same session" => HELLO.into(),
         "Hello, another session" => Hello { session: other, ..HELLO }.into(),
-        "Hello, another version" => Hello { protocol_version: PROTOCOL_VERSION + 1, session: other }.into(),
+        "Hello, another version" => {
+            Hello { protocol_version: PROTOCOL_VERSION + 1, ..Hello::new(other) }.into()
+        }
         "DescribeParameter" => DescribeParameter { index: 0 }.into(),
         "DescribeLaw" => DescribeLaw { index: 0 }.into(),
         "DescribeSignal" => DescribeSignal { index: 0 }.into(),
         "DescribeChoice" => DescribeChoice { parameter: index(CONTROLLER), choice: 0 }.into(),
         "Subscribe" => Subscribe { signals: signals(&["requested_torque_nm"]), every: 10 }.into(),
         "GetParameter" => GetParameter { index: 0 }.into(),
-        "SetParameter" => set("k_p1", ParameterValue::F32(2.0)),
+        "SetParameter" => set("reduction_ratio", ParameterValue::F32(2.0)),
+        "SetParameter, live" => set("k_p1", ParameterValue::F32(2.0)),
         "Arm" => Arm { session: SESSION }.into(),
         "Arm, another session" => Arm { session: other }.into(),
         "Start" => Start { session: SESSION }.into(),
@@ -146,12 +166,17 @@ fn set(name: &str, value: ParameterValue) -> HostMessage {
 
 /// Outcome of a refused request; `None` if every answer accepts.
 pub fn refusal(answers: &[DriveMessage]) -> Option<Outcome> {
+    refusal_with_detail(answers).map(|(outcome, _)| outcome)
+}
+
+/// Outcome and detail of a refused request; `None` if every answer accepts.
+pub fn refusal_with_detail(answers: &[DriveMessage]) -> Option<(Outcome, u32)> {
     let mut outcomes = answers.iter().filter_map(|answer| match answer {
-        DriveMessage::CommandResult(result) => Some(result.outcome),
-        DriveMessage::ParameterReport(report) => Some(report.outcome),
+        DriveMessage::CommandResult(result) => Some((result.outcome, result.detail)),
+        DriveMessage::ParameterReport(report) => Some((report.outcome, report.detail)),
         _ => None,
     });
-    outcomes.find(|outcome| *outcome != Outcome::Accepted)
+    outcomes.find(|(outcome, _)| *outcome != Outcome::Accepted)
 }
 
 /// Names of the answers in the notation of the document.

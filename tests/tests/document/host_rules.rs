@@ -8,17 +8,17 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
-use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{
-    ChoiceDescription, CommandResult, DescribeChoice, DescribeParameter, EncoderSample, GetParameter,
-    Identity, Log, ParameterDescription, ParameterReport, SetParameter,
-};
-use lashloop_protocol::text::Text;
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, crc};
+use lashloop_protocol::enums::Outcome;
+use lashloop_protocol::message::{EncoderSample, GetParameter};
+use lashloop_protocol::{Counters, Decoder, DriveMessage, HostMessage};
 use lashloop_session::handshake::shake_hands;
 use lashloop_session::line::Line;
 use lashloop_session::{Exchange, Session, SessionError, SetError};
 
+use crate::alterations::{
+    Alteration, Request, answers_reversed, cut, flagged, frame_of, longer, refusing, requests_reversed,
+    reversed, unaltered, with_a_late_refusal, with_a_stale_identity, with_others,
+};
 use crate::host::rest;
 use crate::markdown::{section, table};
 
@@ -33,15 +33,12 @@ enum Event {
 
 type Events = Arc<Mutex<Vec<Event>>>;
 
-/// A change to each answer of the drive: the messages that arrive in its place.
-type Alteration = fn(DriveMessage) -> Vec<u8>;
-
 /// The drive in process, with a record of the events and alterations of requests and answers.
 struct Recorded {
     drive: InProcess,
     events: Events,
     decoder: Decoder,
-    requests: fn(HostMessage) -> HostMessage,
+    requests: fn(Request) -> Request,
     answers: Alteration,
 }
 
@@ -53,7 +50,7 @@ impl Link for Recorded {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.events.lock().expect("the events").push(Event::Sent(bytes.to_vec()));
         match Decoder::new().next::<HostMessage>(&mut &*bytes) {
-            Some(request) => self.drive.send(&(self.requests)(request.expect("a good frame")).frame()),
+            Some(request) => self.drive.send(&frame_of((self.requests)(request.expect("a good frame")))),
             None => self.drive.send(bytes),
         }
     }
@@ -75,16 +72,12 @@ impl Link for Recorded {
     }
 }
 
-fn unaltered(answer: DriveMessage) -> Vec<u8> {
-    answer.frame().to_vec()
-}
-
 /// A session with the drive in process, and the events on its link.
 fn open(answers: Alteration) -> (Session, Events) {
     open_altered(|request| request, answers)
 }
 
-fn open_altered(requests: fn(HostMessage) -> HostMessage, answers: Alteration) -> (Session, Events) {
+fn open_altered(requests: fn(Request) -> Request, answers: Alteration) -> (Session, Events) {
     let (drive, decoder, events) = (InProcess::default(), Decoder::new(), Events::default());
     let link = Recorded { drive, events: Arc::clone(&events), decoder, requests, answers };
     (Session::open(Box::new(link), NUMBER).expect("a session"), events)
@@ -92,6 +85,11 @@ fn open_altered(requests: fn(HostMessage) -> HostMessage, answers: Alteration) -
 
 /// The messages that the host has sent.
 fn sent(events: &Events) -> Vec<HostMessage> {
+    sent_numbered(events).into_iter().map(|it| it.message).collect()
+}
+
+/// The messages that the host has sent, with their numbers.
+fn sent_numbered(events: &Events) -> Vec<Request> {
     let events = events.lock().expect("the events");
     let messages = events.iter().filter_map(|event| match event {
         Event::Sent(bytes) => Decoder::new().next::<HostMessage>(&mut &bytes[..]),
@@ -138,39 +136,61 @@ fn exchange(session: &mut Session, step: u32) -> u32 {
     }
 }
 
-/// A frame around a body, by the three steps of the page.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let with_crc = [body, &crc::checksum(body).to_le_bytes()].concat();
-    let pieces: Vec<_> = with_crc.split(|byte| *byte == 0).collect();
-    let stuffed = pieces.iter().flat_map(|piece| [&[piece.len() as u8 + 1], *piece].concat());
-    stuffed.chain([0]).collect()
-}
-
-/// Messages that no request of these tests has asked for, then the answer.
-fn with_others(answer: DriveMessage) -> Vec<u8> {
-    let (outcome, state, index) = (Outcome::WrongState, State::Faulted, 200);
-    let others: [DriveMessage; 3] = [
-        Log { level: LogLevel::Error, text: Text::new("stop the run now") }.into(),
-        ParameterReport { index, outcome, value: ParameterValue::U32(7), state }.into(),
-        CommandResult { request: 0x70, outcome, state }.into(),
-    ];
-    let unknown = frame_around(&[0xfe, 1, 2, 3]);
-    others.iter().flat_map(|other| other.frame().to_vec()).chain(unknown).chain(unaltered(answer)).collect()
+/// The torques of a run, and the counts of the host's receiver.
+fn run_with(alteration: Alteration) -> (Vec<u32>, Counters) {
+    let (mut session, _) = open(alteration);
+    session.set("torque_limit_nm", 5.0).expect("a limit");
+    session.start().expect("a start");
+    let torques = (0..20).map(|step| exchange(&mut session, step)).collect();
+    session.stop().expect("a stop");
+    (torques, *session.line.decoder.counters())
 }
 
 #[test]
 fn messages_in_between_change_nothing() {
-    let torques = |alteration| {
-        let (mut session, _) = open(alteration);
-        session.set("torque_limit_nm", 5.0).expect("a limit");
-        session.start().expect("a start");
-        let torques: Vec<_> = (0..20).map(|step| exchange(&mut session, step)).collect();
-        session.stop().expect("a stop");
-        (torques, session.line.decoder.counters().refused > 0)
-    };
-    let ((quiet, quiet_refused), (disturbed, disturbed_refused)) = (torques(unaltered), torques(with_others));
+    let ((quiet, _), (disturbed, counters)) = (run_with(unaltered), run_with(with_others));
     assert_eq!(quiet, disturbed);
-    assert_eq!([quiet_refused, disturbed_refused], [false, true]);
+    assert!(counters.refused > 0 && counters.unknown > 0, "{counters:?}");
+}
+
+#[test]
+fn an_answer_with_another_number_is_dropped() {
+    assert_eq!(run_with(unaltered).0, run_with(with_a_late_refusal).0);
+}
+
+#[test]
+fn what_a_newer_drive_adds_or_leaves_out_changes_nothing() {
+    let (torques, _) = run_with(unaltered);
+    for alteration in [longer as Alteration, cut, flagged] {
+        let (altered, counters) = run_with(alteration);
+        assert_eq!((altered, counters.refused, counters.damaged()), (torques.clone(), 0, 0));
+    }
+}
+
+#[test]
+fn requests_are_numbered_from_1_to_255_in_turn() {
+    let (mut session, events) = open(unaltered);
+    for _ in 0..300 {
+        session.line.request(&GetParameter { index: 0 }.into(), |_| Some(())).expect("an answer");
+    }
+    let numbers: Vec<_> = sent_numbered(&events).iter().map(|it| it.number).collect();
+    let want: Vec<_> = (1..=u8::MAX).cycle().take(numbers.len()).collect();
+    assert!(numbers.len() > 300);
+    assert_eq!(numbers, want);
+}
+
+#[test]
+fn a_retry_keeps_the_number_of_its_request() {
+    let numbers_of = |request: fn(&mut Line) -> Result<(), SessionError>| -> Vec<u8> {
+        let (mut line, events) = dead();
+        drop(request(&mut line));
+        drop(request(&mut line));
+        sent_numbered(&events).iter().map(|it| it.number).collect()
+    };
+    let get = |line: &mut Line| line.request(&GetParameter { index: 0 }.into(), |_| None::<()>).map(drop);
+    assert_eq!(numbers_of(get), [1, 1, 1, 1, 2, 2, 2, 2]);
+    let hello = |line: &mut Line| shake_hands(line, NUMBER).map(drop);
+    assert_eq!(numbers_of(hello), [[1; 25], [2; 25]].concat());
 }
 
 #[test]
@@ -182,52 +202,11 @@ fn a_handshake_follows_a_reset() {
     assert_ne!(hello.session, NUMBER, "frames of the run before can neither arm nor start");
 }
 
-/// An identity of another session, in another state, before each identity.
-fn with_a_stale_identity(answer: DriveMessage) -> Vec<u8> {
-    let stale = match answer {
-        DriveMessage::Identity(it) => {
-            let session = it.session ^ 1;
-            let stale = DriveMessage::from(Identity { session, law_count: 9, ..it });
-            stale.frame().to_vec()
-        }
-        _ => Vec::new(),
-    };
-    [stale, unaltered(answer)].concat()
-}
-
 #[test]
 fn the_identity_of_another_session_is_not_accepted() {
     let (session, _) = open(with_a_stale_identity);
     assert_eq!((session.identity.session, session.laws.len()), (NUMBER, Laws::NAMES.len()));
     assert_ne!(session_number(), session_number(), "each host has a number of its own");
-}
-
-/// The index of another parameter: all of them in reverse order.
-fn reversed(index: u8) -> u8 {
-    (Laws::PARAMETERS.len() as u8).wrapping_sub(1 + index)
-}
-
-fn answers_reversed(answer: DriveMessage) -> Vec<u8> {
-    unaltered(match answer {
-        DriveMessage::ParameterDescription(it) => {
-            ParameterDescription { index: reversed(it.index), ..it }.into()
-        }
-        DriveMessage::ParameterReport(it) => ParameterReport { index: reversed(it.index), ..it }.into(),
-        DriveMessage::ChoiceDescription(it) => {
-            ChoiceDescription { parameter: reversed(it.parameter), ..it }.into()
-        }
-        other => other,
-    })
-}
-
-fn requests_reversed(request: HostMessage) -> HostMessage {
-    match request {
-        HostMessage::DescribeParameter(it) => DescribeParameter { index: reversed(it.index) }.into(),
-        HostMessage::GetParameter(it) => GetParameter { index: reversed(it.index) }.into(),
-        HostMessage::SetParameter(it) => SetParameter { index: reversed(it.index), ..it }.into(),
-        HostMessage::DescribeChoice(it) => DescribeChoice { parameter: reversed(it.parameter), ..it }.into(),
-        other => other,
-    }
 }
 
 #[test]
@@ -241,16 +220,6 @@ fn names_and_not_indices_identify_parameters() {
     let (torque, index) = first_torque(|request| request, unaltered);
     assert_eq!(f32::from_bits(torque), 5.0);
     assert_eq!(first_torque(requests_reversed, answers_reversed), (torque, reversed(index)));
-}
-
-/// A drive that refuses every value.
-fn refusing(answer: DriveMessage) -> Vec<u8> {
-    match answer {
-        DriveMessage::ParameterReport(it) => {
-            DriveMessage::from(ParameterReport { outcome: Outcome::OutOfRange, ..it }).frame().to_vec()
-        }
-        other => unaltered(other),
-    }
 }
 
 #[test]
@@ -292,10 +261,16 @@ impl Link for Dead {
     }
 }
 
+/// A line without a drive, and what is sent on it.
+fn dead() -> (Line, Events) {
+    let events = Events::default();
+    (Line::new(Box::new(Dead { now: Instant::now(), sent: Arc::clone(&events) })), events)
+}
+
 /// How long the host waits on a dead line, and how many messages it sends.
 fn patience(request: impl FnOnce(&mut Line) -> Result<(), SessionError>) -> (Duration, usize) {
-    let (start, events) = (Instant::now(), Events::default());
-    let mut line = Line::new(Box::new(Dead { now: start, sent: Arc::clone(&events) }));
+    let (mut line, events) = dead();
+    let start = line.now();
     let error = request(&mut line).expect_err("nothing answers");
     assert!(matches!(error, SessionError::Silent { .. }), "{error}");
     (line.now() - start, sent(&events).len())
@@ -303,8 +278,8 @@ fn patience(request: impl FnOnce(&mut Line) -> Result<(), SessionError>) -> (Dur
 
 #[test]
 fn the_time_limits_are_those_of_the_page() {
-    let rows = table(section("## 13. Time limits"), "who");
-    let row = |waits_for: &str| &rows.iter().find(|row| row[1] == waits_for).expect("a row")[2];
+    let rows = table(section("## 13. Time limits"), "host waits for");
+    let row = |waits_for: &str| &rows.iter().find(|row| row[0] == waits_for).expect("a row")[1];
     let handshake = patience(|line| shake_hands(line, NUMBER).map(drop));
     assert_eq!(row("Identity"), "2.5 s, with a Hello every 100 ms");
     assert_eq!(handshake, (Duration::from_millis(2500), 25));

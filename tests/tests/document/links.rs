@@ -11,8 +11,10 @@ const ELSEWHERE: [&str; 2] = ["target", "out"];
 
 fn documents() -> Vec<PathBuf> {
     let root = workspace();
-    let docs = fs::read_dir(root.join("docs")).expect("the folder of documents");
-    let mut documents: Vec<_> = docs
+    let folders = ["docs", "docs/protocol"].map(|folder| fs::read_dir(root.join(folder)).expect("a folder"));
+    let mut documents: Vec<_> = folders
+        .into_iter()
+        .flatten()
         .map(|entry| entry.expect("an entry of the folder").path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
         .collect();

@@ -1,11 +1,9 @@
 //! The rules of sequence, at their edges.
 
-use std::f64::consts::TAU;
-
-use lashloop_firmware::law::DriveParameters;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 
+use crate::annexes::longest_gap;
 use crate::host::{Host, refusal};
 use crate::markdown::{section, table};
 
@@ -72,17 +70,8 @@ fn only_sequence_0_starts_a_run() {
 }
 
 #[test]
-fn the_longest_default_gap_matches_the_document() {
-    let parameters = DriveParameters::default();
-    let speed = f64::from(parameters.motor_speed_limit_rad_s);
-    let period_s = f64::from(parameters.period_us) * 1e-6;
-    let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;
-    let longest =
-        (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
-    let longest = longest.expect("one period is unambiguous");
-    let rows = table(section("## 7. Samples and torques"), "encoder");
-    assert_eq!(rows, [["motor".to_owned(), format!("{counts_per_period:.0}"), longest.to_string()]]);
-
+fn the_drive_bridges_the_documented_longest_gap_and_no_longer_one() {
+    let (_, longest) = longest_gap();
     let taken = |sequence| {
         let mut host = Host::running(&[]);
         host.sample(0);

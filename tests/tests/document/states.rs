@@ -7,7 +7,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{FaultCode, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, EncoderSample};
-use lashloop_protocol::{DriveMessage, EncoderCounts};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
 
 use crate::bench_mode;
 use crate::host::{Host, refusal, request, rest};
@@ -24,9 +24,6 @@ fn every_request_in_every_state_matches_the_table() {
             if cell == "no session yet" {
                 assert_eq!(state, State::Boot);
                 continue;
-            }
-            if name == "SetParameter, live" {
-                continue; // See `no_parameter_of_the_lashloop_drive_is_live`.
             }
             let mut host = Host::in_state(state);
             if state == State::Running {
@@ -49,27 +46,29 @@ fn every_request_in_every_state_matches_the_table() {
     }
 }
 
-/// The row of live parameters is therefore that of other drives: its cells hold for the Python drive.
 #[test]
-fn no_parameter_of_the_lashloop_drive_is_live() {
+fn the_gains_of_the_cascade_are_live_and_no_other_parameter() {
+    let mut live = Vec::new();
     for index in 0..Laws::PARAMETERS.len() as u8 {
         match Host::in_state(State::Idle).send(DescribeParameter { index })[..] {
-            [DriveMessage::ParameterDescription(description)] => {
-                assert!(!description.flags.contains(ParameterFlags::LIVE), "{}", description.name);
+            [DriveMessage::ParameterDescription(it)] if it.flags.contains(ParameterFlags::LIVE) => {
+                live.push(it.name.as_str().to_owned());
             }
+            [DriveMessage::ParameterDescription(_)] => {}
             ref other => panic!("{other:?}"),
         }
     }
+    assert_eq!(live, ["k_p1", "k_d1", "k_p2", "k_d2", "k_1"]);
 }
 
 #[test]
-fn the_table_has_every_kind_of_request() {
-    use lashloop_protocol::{HostMessage, Message};
-    let rows = table(section(STATES), "request");
-    let have: BTreeSet<_> = rows.iter().filter_map(|row| row[0].split(',').next()).collect();
-    let all = HostMessage::LAYOUTS.iter().map(|layout| layout.name);
-    // Of sections 18 and 19, which are optional.
-    let want: BTreeSet<_> = all.filter(|name| !["Reference", "EnterLoader"].contains(name)).collect();
+fn the_tables_have_every_kind_of_request() {
+    let of = |heading, header| table(section(heading), header).into_iter().map(|row| row[0].clone());
+    let rows = of(STATES, "request")
+        .chain(of("### Requests of bench mode", "request in bench mode"))
+        .chain(of("## 19. Boot loader", "request with a boot loader"));
+    let have: BTreeSet<_> = rows.filter_map(|row| row.split(',').next().map(str::to_owned)).collect();
+    let want: BTreeSet<_> = HostMessage::LAYOUTS.iter().map(|layout| layout.name.to_owned()).collect();
     assert_eq!(have, want);
 }
 
@@ -103,25 +102,28 @@ fn happen(code: FaultCode) -> (Host, Vec<DriveMessage>) {
     (host, answers)
 }
 
+/// The faults of the sentence with the tag of the rule.
+fn faults_of_events() -> BTreeSet<String> {
+    let paragraph = section(STATES).split("\n\n").find(|text| text.contains("[R6.9]")).expect("a rule");
+    let words = paragraph.split('`').skip(1).step_by(2);
+    words.filter(|word| !["Running", "Faulted"].contains(word)).map(str::to_owned).collect()
+}
+
 #[test]
 fn every_event_latches_the_documented_fault() {
-    let rows = table(section(STATES), "event in Running");
-    for row in &rows {
-        let code = FaultCode::ALL.iter().find(|code| format!("{code:?}") == row[2]);
-        let code = *code.unwrap_or_else(|| panic!("{} isn't a fault", row[2]));
+    let events = faults_of_events();
+    let faults = || FaultCode::ALL.iter().map(|code| (*code, format!("{code:?}")));
+    for (code, _) in faults().filter(|(_, name)| events.contains(name)) {
         let (host, answers) = happen(code);
-        assert_eq!(format!("{:?}", host.drive.state()), row[1], "{code:?}");
+        assert_eq!(host.drive.state(), State::Faulted, "{code:?}");
         assert!(
             matches!(answers.last(), Some(DriveMessage::FaultReport(report)) if report.code == code),
             "{code:?}: {answers:?}"
         );
     }
-    let not_events = [FaultCode::EmergencyStop, FaultCode::Panic, FaultCode::ProcessorFault];
-    assert_eq!(
-        rows.len() + not_events.len() + bench_mode::faults().len(),
-        FaultCode::ALL.len(),
-        "the table has every fault without a request"
-    );
+    let requested = ["EmergencyStop", "Panic", "ProcessorFault"].map(str::to_owned);
+    let documented: BTreeSet<_> = requested.into_iter().chain(bench_mode::faults()).chain(events).collect();
+    assert_eq!(documented, faults().map(|(_, name)| name).collect(), "every fault has a cause");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{SetParameter, Subscribe, Telemetry};
 
-use crate::host::{Host, refusal, request};
+use crate::host::{Host, refusal, refusal_with_detail, request};
 use crate::markdown::{section, table};
 use crate::two_laws::{FIRST_OF_SECOND_LAW, OF_THE_SECOND_LAW, TwoLaws};
 
@@ -92,16 +92,20 @@ fn values_are_in_ascending_order_of_the_indices() {
 fn a_subscription_is_checked_again_by_arm() {
     let mut host = host_in(State::Idle);
     host.send(OF_THE_SECOND_LAW);
-    let answers = host.send(request("Arm"));
-    assert_eq!(refusal(&answers), Some(Outcome::Inconsistent));
+    let refused = refusal_with_detail(&host.send(request("Arm")));
+    assert_eq!(refused, Some((Outcome::SignalOfOtherLaw, FIRST_OF_SECOND_LAW as u32)));
     assert_eq!(host.drive.state(), State::Idle);
-    let name = TwoLaws::SIGNALS[FIRST_OF_SECOND_LAW].name;
-    assert!(
-        matches!(answers[0], DriveMessage::Log(log) if log.text.as_str().starts_with(&format!("{name} "))),
-        "the log names {name}: {answers:?}"
-    );
     host.send(SECOND_LAW);
     assert_eq!(refusal(&host.send(request("Arm"))), None);
+}
+
+#[test]
+fn arm_accepts_a_subscription_without_a_rate() {
+    let mut host = host_in(State::Idle);
+    host.send(Subscribe { every: 0, ..OF_THE_SECOND_LAW });
+    assert_eq!(refusal(&host.send(request("Arm"))), None);
+    let answers = host.send(Subscribe { every: 0, ..OF_THE_SECOND_LAW });
+    assert_eq!(refusal(&answers), Some(Outcome::SignalOfOtherLaw), "Subscribe checks it with any rate");
 }
 
 #[test]
