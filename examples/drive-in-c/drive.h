@@ -7,9 +7,12 @@
 #include "frame.h"
 #include "law.h"
 
+_Static_assert(PARAMETER_COUNT <= LASHLOOP_MAX_PARAMETERS, "the indices above are lists of DescribeChoice");
+_Static_assert(SIGNAL_COUNT >= 1 && SIGNAL_COUNT <= LASHLOOP_MAX_SIGNALS, "1 to 32 signals: each is a bit of Subscribe");
+
 /* What the drive needs of its owner. */
 struct board {
-    uint64_t (*now_ns)(void);                        /* device time */
+    uint64_t (*now_ns)(void);                        /* device time; must never run backwards */
     void (*send)(const uint8_t *bytes, size_t len);  /* one frame to the host */
     void (*set_torque)(float torque_nm);             /* to the power stage */
 };
@@ -24,10 +27,16 @@ struct fault {
     float value, limit;
 };
 
+/* The request that is being answered. */
+struct request {
+    uint8_t kind, number;
+    uint32_t detail; /* of its outcome */
+};
+
 /* A run: what holds from Arm to the end of the torque. */
 struct run {
     struct law law;
-    double values[PARAMETER_COUNT]; /* as of Arm */
+    double values[PARAMETER_COUNT]; /* as of Arm; live ones as set since */
     double motor_rad_s_per_count, load_rad_s_per_count;
     int longest_gap; /* periods */
     int has_sample;
@@ -42,6 +51,7 @@ struct drive {
     enum lashloop_state state;
     int has_session, has_fault;
     uint32_t session;
+    struct request request;
     struct fault fault; /* the first one since it was cleared */
     double values[PARAMETER_COUNT];
     uint32_t subscribed; /* bit n: signal n */

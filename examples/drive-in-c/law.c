@@ -2,23 +2,26 @@
 
 #include <math.h>
 
+enum { U32, F32 };
+enum { FIXED, LIVE = LASHLOOP_PARAMETER_FLAGS_LIVE };
+
 /* Gains and mechanics of tables 1 and 2 of Merzouki and Cadiou, doi:10.1016/j.conengprac.2004.10.016. */
 const struct parameter PARAMETERS[PARAMETER_COUNT] = {
-    [PERIOD_US] = { "period_us", "us", 0, 1000, 100, 100000 },
-    [MOTOR_COUNTS_PER_REV] = { "motor_counts_per_rev", "counts/rev", 0, 131072, 4, 16777216 },
-    [LOAD_COUNTS_PER_REV] = { "load_counts_per_rev", "counts/rev", 0, 131072, 4, 16777216 },
-    [WATCHDOG_US] = { "watchdog_us", "us", 0, 20000, 200, 60000000 },
-    [TORQUE_LIMIT_NM] = { "torque_limit_nm", "N m", 1, 20, 0, 1000 },
-    [MOTOR_SPEED_LIMIT_RAD_S] = { "motor_speed_limit_rad_s", "rad/s", 1, 1000, 0.1, 1e6 },
-    [LOAD_SPEED_LIMIT_RAD_S] = { "load_speed_limit_rad_s", "rad/s", 1, 100, 0.1, 1e6 },
-    [REDUCTION_RATIO] = { "reduction_ratio", "", 1, 3, 1e-3, 1e4 },
-    [STIFFNESS_NM_RAD] = { "stiffness_nm_rad", "N m/rad", 1, 1, 0, 1e9 },
-    [MOTOR_FILTER_RAD_S] = { "motor_filter_rad_s", "rad/s", 1, 400, 0.01, 1e6 },
-    [LOAD_FILTER_RAD_S] = { "load_filter_rad_s", "rad/s", 1, 200, 0.01, 1e6 },
-    [K_P1] = { "k_p1", "N m/rad", 1, 1, 0, 1e6 },
-    [K_D1] = { "k_d1", "N m s/rad", 1, 0.01, 0, 1e6 },
-    [K_P2] = { "k_p2", "", 1, 10, 0, 1e6 },
-    [K_D2] = { "k_d2", "s", 1, 10, 0, 1e6 },
+    [PERIOD_US] = { "period_us", "us", U32, FIXED, 1000, 100, 100000 },
+    [MOTOR_COUNTS_PER_REV] = { "motor_counts_per_rev", "counts/rev", U32, FIXED, 131072, 4, 16777216 },
+    [LOAD_COUNTS_PER_REV] = { "load_counts_per_rev", "counts/rev", U32, FIXED, 131072, 4, 16777216 },
+    [WATCHDOG_US] = { "watchdog_us", "us", U32, FIXED, 20000, 200, 60000000 },
+    [TORQUE_LIMIT_NM] = { "torque_limit_nm", "N m", F32, FIXED, 20, 0, 1000 },
+    [MOTOR_SPEED_LIMIT_RAD_S] = { "motor_speed_limit_rad_s", "rad/s", F32, FIXED, 1000, 0.1, 1e6 },
+    [LOAD_SPEED_LIMIT_RAD_S] = { "load_speed_limit_rad_s", "rad/s", F32, FIXED, 100, 0.1, 1e6 },
+    [REDUCTION_RATIO] = { "reduction_ratio", "", F32, FIXED, 3, 1e-3, 1e4 },
+    [STIFFNESS_NM_RAD] = { "stiffness_nm_rad", "N m/rad", F32, FIXED, 1, 0, 1e9 },
+    [MOTOR_FILTER_RAD_S] = { "motor_filter_rad_s", "rad/s", F32, FIXED, 400, 0.01, 1e6 },
+    [LOAD_FILTER_RAD_S] = { "load_filter_rad_s", "rad/s", F32, FIXED, 200, 0.01, 1e6 },
+    [K_P1] = { "k_p1", "N m/rad", F32, LIVE, 1, 0, 1e6 },
+    [K_D1] = { "k_d1", "N m s/rad", F32, LIVE, 0.01, 0, 1e6 },
+    [K_P2] = { "k_p2", "", F32, LIVE, 10, 0, 1e6 },
+    [K_D2] = { "k_d2", "s", F32, LIVE, 10, 0, 1e6 },
 };
 
 const struct signal SIGNALS[SIGNAL_COUNT] = {
@@ -39,11 +42,16 @@ void law_start(struct law *law, const double values[PARAMETER_COUNT])
         .stiffness_nm_rad = (float)values[STIFFNESS_NM_RAD],
         .motor_filter_rad_s = (float)values[MOTOR_FILTER_RAD_S],
         .load_filter_rad_s = (float)values[LOAD_FILTER_RAD_S],
-        .k_p1 = (float)values[K_P1],
-        .k_d1 = (float)values[K_D1],
-        .k_p2 = (float)values[K_P2],
-        .k_d2 = (float)values[K_D2],
     };
+    law_update(law, values);
+}
+
+void law_update(struct law *law, const double values[PARAMETER_COUNT])
+{
+    law->k_p1 = (float)values[K_P1];
+    law->k_d1 = (float)values[K_D1];
+    law->k_p2 = (float)values[K_P2];
+    law->k_d2 = (float)values[K_D2];
 }
 
 /* Difference quotient behind a first-order lag. The difference of counts is exact; that of two floats would not be. */

@@ -5,6 +5,8 @@
 
 #include <stdint.h>
 
+#include "lashloop.h"
+
 #define LAW_NAME "cascade" /* as scenarios name it */
 
 /* A parameter. A double represents every U32 and every F32 exactly. */
@@ -12,6 +14,7 @@ struct parameter {
     const char *name; /* ends in the unit */
     const char *unit; /* empty for a pure number */
     int is_float;
+    uint8_t flags; /* LASHLOOP_PARAMETER_FLAGS_* */
     double initial, min, max;
 };
 
@@ -66,6 +69,9 @@ struct law {
 
 /* Starts the law with the values in force. */
 void law_start(struct law *law, const double values[PARAMETER_COUNT]);
+
+/* Takes over the values of live parameters, between two control steps; the state of the law remains. */
+void law_update(struct law *law, const double values[PARAMETER_COUNT]);
 
 /* Makes one control step: returns the torque in N m and fills the signals. */
 float law_step(struct law *law, const struct measurement *measurement, float signals[SIGNAL_COUNT]);

@@ -24,9 +24,13 @@ int prepare_run(struct run *run, const double values[PARAMETER_COUNT])
     *run = (struct run){ .longest_gap = LONGEST_GAP };
     memcpy(run->values, values, sizeof run->values);
     run->motor_rad_s_per_count = rad_s_per_count(run, MOTOR_COUNTS_PER_REV, MOTOR_SPEED_LIMIT_RAD_S);
+    if (run->longest_gap < 1)
+        return MOTOR_SPEED_LIMIT_RAD_S;
     run->load_rad_s_per_count = rad_s_per_count(run, LOAD_COUNTS_PER_REV, LOAD_SPEED_LIMIT_RAD_S);
+    if (run->longest_gap < 1)
+        return LOAD_SPEED_LIMIT_RAD_S;
     law_start(&run->law, run->values);
-    return run->longest_gap >= 1;
+    return PARAMETER_COUNT;
 }
 
 static void answer_sample(struct drive *drive, uint16_t sequence, uint8_t flags, uint64_t arrived_ns)
@@ -114,7 +118,7 @@ void take_sample(struct drive *drive, const uint8_t *sample)
     /* A sample later than the watchdog allows gets no torque, even without a tick in between. */
     int has_tripped = check_watchdog(drive);
     if (drive->state == LASHLOOP_STATE_BOOT) {
-        send_result(drive, LASHLOOP_ENCODER_SAMPLE_KIND, LASHLOOP_OUTCOME_WRONG_STATE);
+        send_result(drive, LASHLOOP_OUTCOME_WRONG_STATE);
         return;
     }
     if (drive->state != LASHLOOP_STATE_RUNNING) {
@@ -130,6 +134,6 @@ void take_sample(struct drive *drive, const uint8_t *sample)
     } else if (periods >= 1 && periods <= run->longest_gap) {
         control_step(drive, sample, periods, arrived_ns);
     } else {
-        send_result(drive, LASHLOOP_ENCODER_SAMPLE_KIND, LASHLOOP_OUTCOME_OUT_OF_SEQUENCE);
+        send_result(drive, LASHLOOP_OUTCOME_OUT_OF_SEQUENCE);
     }
 }

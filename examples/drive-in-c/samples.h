@@ -5,7 +5,8 @@
 
 #include "drive.h"
 
-/* Prepares a run with the values in force; 0 if an encoder may be ambiguous within one period. */
+/* Prepares a run with the values in force. Returns the index of the speed limit at which an encoder may be ambiguous
+ * within one period, or PARAMETER_COUNT if there is none. */
 int prepare_run(struct run *run, const double values[PARAMETER_COUNT]);
 
 /* Answers an EncoderSample. */

@@ -5,11 +5,15 @@
 --   tshark -X lua_script:lashloop.lua -r FILE.pcapng
 --   wireshark -X lua_script:lashloop.lua FILE.pcapng       or copy it to ~/.local/lib/wireshark/plugins
 --
--- A frame is COBS( kind, fields, CRC-32C of both ) and a zero byte; numbers are little endian. The tables of lists and
--- messages are generated from the layouts of the crate lashloop-protocol.
+-- A frame is COBS( kind, number, fields, CRC-32C of these ) and a zero byte; values are little endian. The kinds 0x10
+-- to 0x1f and 0x90 to 0x9f have no number. The tables of lists and messages are generated from the layouts of the crate
+-- lashloop-protocol.
 --
--- Filters: lashloop.kind == 0x90, lashloop.sequence == 12, lashloop.state == 5, lashloop.status.state == 5,
--- lashloop.status.gap == 1, lashloop.crc.status == 0. A sequence has 16 bits and wraps around after 65535.
+-- Filters: lashloop.kind == 0x90, lashloop.number == 7, lashloop.sequence == 12, lashloop.state == 5,
+-- lashloop.status.state == 5, lashloop.status.gap == 1, lashloop.crc.status == 0. A request and its answer have the same
+-- number; 255 is followed by 1. A sequence has 16 bits and wraps around after 65535.
+--
+-- What a newer version adds is shown: kinds and fields as bytes, lashloop.newer; values and flags by their numbers.
 --
 -- Telemetry values, lashloop.values, are shown with names and units if the capture has the descriptions of the signals and the
 -- subscription, as that of a run has.
@@ -32,6 +36,8 @@ local function status(states, torque_flags)
     return { len = 1, new = ProtoField.uint8, states = states, flags = torque_flags }
 end
 local function text(len) return { len = len, is_text = true } end
+-- May be absent, at the end of the body
+local function optional(ty) return { len = ty.len, new = ty.new, is_optional = true } end
 
 -- Tables of protocol version 1 -------------------------------------------------------------------------------------
 
@@ -73,6 +79,8 @@ local OUTCOME = {
     [9] = "Inconsistent",
     [10] = "PowerStageFault",
     [11] = "EncoderImplausible",
+    [12] = "UnknownRequest",
+    [13] = "SignalOfOtherLaw",
 }
 local LOG_LEVEL = {
     [1] = "Debug",
@@ -93,6 +101,11 @@ local PARAMETER_FLAGS = {
     [1] = "LIVE",
     [2] = "CHOICES",
 }
+local CAPABILITIES = {
+    [1] = "DEVICE_TIME",
+    [2] = "BENCH_MODE",
+    [4] = "LOADER",
+}
 
 -- Units by the suffix of a field's name; the first match applies
 local UNITS = {
@@ -108,6 +121,7 @@ local UNITS = {
 local MESSAGES = {
     [0x01] = { "Hello", {
         { "protocol_version", u8 },
+        { "minor_version", u8 },
         { "session", u32 },
     } },
     [0x02] = { "DescribeParameter", {
@@ -144,6 +158,9 @@ local MESSAGES = {
         { "signals", u32 },
         { "every", u16 },
     } },
+    [0x0f] = { "EnterLoader", {
+        { "session", u32 },
+    } },
     [0x10] = { "EncoderSample", {
         { "sequence", u16 },
         { "motor_counts", i24 },
@@ -154,11 +171,9 @@ local MESSAGES = {
         { "number", u16 },
         { "reference_rad", f32 },
     } },
-    [0x12] = { "EnterLoader", {
-        { "session", u32 },
-    } },
     [0x81] = { "Identity", {
         { "protocol_version", u8 },
+        { "minor_version", u8 },
         { "session", u32 },
         { "firmware", version },
         { "build_id", u32 },
@@ -171,6 +186,8 @@ local MESSAGES = {
         { "law_count", u8 },
         { "signal_count", u8 },
         { "parameter_count", u8 },
+        { "capabilities", flags(CAPABILITIES) },
+        { "device_time_us", optional(u32) },
     } },
     [0x82] = { "ParameterDescription", {
         { "index", u8 },
@@ -187,11 +204,22 @@ local MESSAGES = {
         { "outcome", enum(OUTCOME) },
         { "value", value },
         { "state", enum(STATE) },
+        { "detail", u32 },
+        { "device_time_us", optional(u32) },
+    } },
+    [0x84] = { "LineReport", {
+        { "messages", u32 },
+        { "damaged", u32 },
+        { "refused", u32 },
+        { "overruns", u32 },
+        { "device_time_us", optional(u32) },
     } },
     [0x85] = { "CommandResult", {
         { "request", u8 },
         { "outcome", enum(OUTCOME) },
         { "state", enum(STATE) },
+        { "detail", u32 },
+        { "device_time_us", optional(u32) },
     } },
     [0x86] = { "LawDescription", {
         { "index", u8 },
@@ -224,16 +252,12 @@ local MESSAGES = {
         { "value", f32 },
         { "limit", f32 },
         { "detail", u32 },
+        { "device_time_us", optional(u32) },
     } },
     [0x93] = { "Log", {
         { "level", enum(LOG_LEVEL) },
         { "text", text(52) },
-    } },
-    [0x94] = { "LineReport", {
-        { "messages", u32 },
-        { "damaged", u32 },
-        { "refused", u32 },
-        { "overruns", u32 },
+        { "device_time_us", optional(u32) },
     } },
     [0x95] = { "BenchSample", {
         { "sequence", u16 },
@@ -251,6 +275,15 @@ local MESSAGES = {
 local KIND_NAMES = {}
 for kind, message in pairs(MESSAGES) do KIND_NAMES[kind] = message[1] end
 
+-- The number of a Reference has the name that BenchSample gives it: lashloop.number is the number of a request.
+for _, message in pairs(MESSAGES) do
+    for _, field in ipairs(message[2]) do
+        if field[1] == "number" then field[1] = "reference_number" end
+    end
+end
+
+local function has_number(kind) return math.floor(kind / 16) % 8 ~= 1 end
+
 local function unit_of(name)
     for _, unit in ipairs(UNITS) do
         if name:find(unit[1]) then return (unit[2]:find("^%d") and " x " or " ") .. unit[2] end
@@ -258,11 +291,13 @@ local function unit_of(name)
     return ""
 end
 
--- Fields for filters: lashloop.NAME; a parameter's value is lashloop.NAME.type with lashloop.NAME.u32 or .f32, a flag is
--- lashloop.FIELD.flag. Fields of one name and type are one filter, in any message. --------------------
+-- Fields for filters: lashloop.NAME; a parameter's value is lashloop.NAME.type with lashloop.NAME.u32, .f32 or .unknown, a
+-- flag is lashloop.FIELD.flag. Fields of one name and type are one filter, in any message. ----------------------------
 
 local fields = {
     kind = ProtoField.uint8("lashloop.kind", "kind", base.HEX, KIND_NAMES),
+    number = ProtoField.uint8("lashloop.number", "number"),
+    newer = ProtoField.bytes("lashloop.newer", "bytes of a newer version"),
     crc = ProtoField.uint32("lashloop.crc", "crc", base.HEX),
     crc_status = ProtoField.uint8("lashloop.crc.status", "crc status", base.DEC, { [0] = "Bad", [1] = "Good" }),
     stuffed = ProtoField.bytes("lashloop.stuffed", "frame on the wire"),
@@ -279,6 +314,7 @@ local function add_fields(name, ty)
         end)
         add(name .. ".u32", function() return ProtoField.uint32(abbreviation .. ".u32", name) end)
         add(name .. ".f32", function() return ProtoField.double(abbreviation .. ".f32", name) end)
+        add(name .. ".unknown", function() return ProtoField.uint32(abbreviation .. ".unknown", name, base.HEX) end)
     elseif ty.is_text or ty.is_version then
         add(name, function() return ProtoField.string(abbreviation, name) end)
     elseif ty.names then
@@ -311,12 +347,12 @@ lashloop.fields = declared
 local experts = {
     crc = ProtoExpert.new("lashloop.crc.bad", "CRC is wrong", expert.group.CHECKSUM, expert.severity.ERROR),
     malformed = ProtoExpert.new("lashloop.malformed", "Not a frame", expert.group.MALFORMED, expert.severity.ERROR),
-    unknown = ProtoExpert.new("lashloop.unknown", "Not a message of protocol version " .. PROTOCOL_VERSION, expert.group.UNDECODED,
+    refused = ProtoExpert.new("lashloop.refused", "Not a message of protocol version " .. PROTOCOL_VERSION, expert.group.UNDECODED,
         expert.severity.WARN),
     fault = ProtoExpert.new("lashloop.fault", "The drive latched a fault", expert.group.RESPONSE_CODE,
         expert.severity.WARN),
 }
-lashloop.experts = { experts.crc, experts.malformed, experts.unknown, experts.fault }
+lashloop.experts = { experts.crc, experts.malformed, experts.refused, experts.fault }
 
 -- CRC-32C: reflected polynomial 0x82f63b78, initial value and final xor 0xffffffff ---------------------------------
 
@@ -356,45 +392,45 @@ local function unstuff(stuffed)
     return table.concat(parts, "\0")
 end
 
--- Adds one field to the tree and returns its text for the info column ------------------------------------------------------
+-- Adds one field to the tree and returns its text for the info column; nil if the bytes aren't a value of its type ---------
 
 local function zero_padded(range) return (range:raw():gsub("%z.*", "")) end
 
+-- Name of a value of a list, which only 0 is never in
+local function name_in(names, byte)
+    if byte ~= 0 then return names[byte] or "unknown " .. byte end
+end
+
 local function show_value(tree, name, range)
-    local ty = range(0, 1):uint()
-    if not PARAMETER_TYPE[ty] then return nil end
+    local ty, bytes = range(0, 1):uint(), range(1, 4)
     tree:add(fields[name .. ".type"], range(0, 1))
-    local bytes = range(1, 4)
-    if ty == 1 then
+    if PARAMETER_TYPE[ty] == "U32" then
         tree:add_le(fields[name .. ".u32"], bytes)
         return tostring(bytes:le_uint())
+    elseif PARAMETER_TYPE[ty] == "F32" then
+        tree:add(fields[name .. ".f32"], bytes, bytes:le_float())
+        return string.format("%.4g", bytes:le_float())
+    elseif ty ~= 0 then
+        tree:add_le(fields[name .. ".unknown"], bytes)
+        return string.format("0x%08x (%s)", bytes:le_uint(), name_in(PARAMETER_TYPE, ty))
     end
-    tree:add(fields[name .. ".f32"], bytes, bytes:le_float())
-    return string.format("%.4g", bytes:le_float())
 end
 
 local function show_flags(tree, name, ty, range)
     local branch = tree:add_le(fields[name], range)
-    local bits, set, known = range:le_uint(), {}, 0
+    local bits, set, first_bit = range:le_uint(), {}, 0
     if ty.states then
         branch:add(fields[name .. ".state"], range)
-        local state = ty.states[bits % (STATE_MASK + 1)]
-        if not state then return nil end
-        set[1], known = state, bits % (STATE_MASK + 1)
+        set[1] = name_in(ty.states, bits % (STATE_MASK + 1))
+        if not set[1] then return nil end
+        while 2 ^ first_bit <= STATE_MASK do first_bit = first_bit + 1 end
     end
-    for bit = 0, 8 * ty.len - 1 do
+    for bit = first_bit, 8 * ty.len - 1 do
         local flag = ty.flags[2 ^ bit]
-        if flag then
-            branch:add_le(fields[name .. "." .. flag], range)
-            if math.floor(bits / 2 ^ bit) % 2 == 1 then
-                set[#set + 1] = flag
-                known = known + 2 ^ bit
-            end
-        end
+        if flag then branch:add_le(fields[name .. "." .. flag], range) end
+        if math.floor(bits / 2 ^ bit) % 2 == 1 then set[#set + 1] = flag or "bit " .. bit end
     end
     branch:append_text(" (" .. (#set > 0 and table.concat(set, "|") or "none") .. ")")
-    -- A newer drive may set flags without a name here. A status with an unknown flag is invalid.
-    if ty.states and known ~= bits then return nil end
     return table.concat(set, "|")
 end
 
@@ -402,11 +438,11 @@ end
 
 local SUBSCRIBE, RESET, ACCEPTED = 0x0e, 0x0a, 1
 
--- `names`: name and unit by index. `requested`, `subscribed`: bits of the last request, and of the last one accepted.
--- `values`: by number of a telemetry packet, the signals of its values, because packets are also shown out of order.
+-- `names`: name and unit by index. `requested`: bits of the last request with each number. `subscribed`: bits of the last
+-- one accepted. `values`: by packet of telemetry, the signals of its values, because packets are also shown out of order.
 local signals
 
-function lashloop.init() signals = { names = {}, values = {} } end
+function lashloop.init() signals = { names = {}, requested = {}, values = {} } end
 
 local function subscribed_signals(bits)
     local list = {}
@@ -418,18 +454,17 @@ local function subscribed_signals(bits)
     return list
 end
 
-local function note_signals(name, body, number)
+local function note_signals(name, number, ranges, packet)
     if name == "SignalDescription" then
-        local text = function(offset, len) return (body(offset, len):raw():gsub("%z.*", "")) end
-        signals.names[body(1, 1):uint()] = { name = text(4, 32), unit = text(36, 10) }
+        signals.names[ranges.index:uint()] = { name = zero_padded(ranges.name), unit = zero_padded(ranges.unit) }
     elseif name == "Subscribe" then
-        signals.requested = body(1, 4):le_uint()
-    elseif name == "CommandResult" and body(2, 1):uint() == ACCEPTED then
-        local request = body(1, 1):uint()
-        if request == SUBSCRIBE then signals.subscribed = signals.requested end
+        signals.requested[number] = ranges.signals:le_uint()
+    elseif name == "CommandResult" and ranges.outcome:uint() == ACCEPTED then
+        local request = ranges.request:uint()
+        if request == SUBSCRIBE then signals.subscribed = signals.requested[number] end
         if request == RESET then signals.subscribed = nil end
     elseif name == "Telemetry" and signals.subscribed then
-        signals.values[number] = subscribed_signals(signals.subscribed)
+        signals.values[packet] = subscribed_signals(signals.subscribed)
     end
 end
 
@@ -450,7 +485,6 @@ local function show_elements(tree, name, ty, range)
     return table.concat(shown, of and ", " or " ")
 end
 
--- nil if the bytes aren't a value of the type
 local function show_field(tree, field, range)
     local name, ty = field[1], field[2]
     if ty.is_value then return show_value(tree, name, range) end
@@ -471,7 +505,7 @@ local function show_field(tree, field, range)
         return string.format("%.4g", range:le_float()) .. unit
     end
     tree:add_le(fields[name], range):append_text(unit)
-    if ty.names then return ty.names[range:uint()] end
+    if ty.names then return name_in(ty.names, range:uint()) end
     return tostring(ty == i24 and range:le_int() or range:le_uint()) .. unit
 end
 
@@ -486,61 +520,83 @@ local IN_INFO = {
     Subscribe = { "signals", "every" }, LawDescription = { "index", "name" },
     SignalDescription = { "index", "name", "unit" }, ChoiceDescription = { "parameter", "choice", "name" },
     Identity = { "board", "firmware", "state" }, ParameterDescription = { "index", "name", "default", "unit" },
-    ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },
-    FaultReport = { "code", "sequence", "value", "limit" }, Log = { "level", "text" },
+    ParameterReport = { "index", "outcome", "value", "detail" },
+    CommandResult = { "request", "outcome", "state", "detail" },
+    FaultReport = { "code", "sequence", "value", "limit", "detail" }, Log = { "level", "text" },
     LineReport = { "messages", "damaged" },
-    Reference = { "number", "reference_rad" }, EnterLoader = { "session" },
+    Reference = { "reference_number", "reference_rad" }, EnterLoader = { "session" },
     BenchSample = { "sequence", "reference_number", "torque_nm", "status" },
 }
 -- Labels of numbers that are ambiguous without one
 local LABELS = {
     sequence = "seq", index = "index", session = "session", messages = "messages", damaged = "damaged", limit = "limit",
-    parameter = "parameter", choice = "choice", signals = "signals", every = "every",
+    parameter = "parameter", choice = "choice", signals = "signals", every = "every", detail = "detail",
 }
 
-local function info(name, shown)
+local function info(name, number, shown)
     local words = { name }
+    -- A host that needs no numbers sends 0.
+    if number ~= 0 then words[2] = "#" .. number end
     for _, field in ipairs(IN_INFO[name] or {}) do
-        if LABELS[field] then words[#words + 1] = LABELS[field] end
-        if shown[field] ~= "" then words[#words + 1] = shown[field] end
+        if field ~= "detail" or shown.detail ~= "0" then
+            if LABELS[field] then words[#words + 1] = LABELS[field] end
+            if shown[field] ~= "" then words[#words + 1] = shown[field] end
+        end
     end
     return table.concat(words, " ")
 end
 
--- Returns the info text, or nil and the error
-local function show_message(tree, message, body, body_len, pinfo)
-    local name, at, shown = message[1], 1, {}
-    local expected, element_len = 1, nil
+-- The bytes of each field by its name, and the offset after them; nil and the error if the body has no such length
+local function ranges_of(message, first, body, body_len)
+    local ranges, at = {}, first
     for _, field in ipairs(message[2]) do
-        expected = expected + (field[2].len or 0)
-        element_len = field[2].element_len
-    end
-    if element_len then
-        local repeated = body_len - expected
-        if repeated <= 0 or repeated % element_len ~= 0 then
-            return nil, string.format("%s takes %d bytes and %d per value, got %d", name, expected, element_len, body_len)
+        local ty = field[2]
+        if ty.element_len then
+            local repeated = body_len - at
+            if repeated <= 0 or repeated % ty.element_len ~= 0 then
+                return nil, string.format("%s takes %d bytes and %d per value, got %d", message[1], at, ty.element_len, body_len)
+            end
+            ranges[field[1]], at = body(at, repeated), body_len
+        elseif at + ty.len <= body_len then
+            ranges[field[1]], at = body(at, ty.len), at + ty.len
+        elseif not ty.is_optional then
+            return nil, string.format("%s ends inside %s, after %d bytes", message[1], field[1], body_len)
         end
-    elseif expected ~= body_len then
-        return nil, string.format("%s takes %d bytes, got %d", name, expected, body_len)
     end
-    if not pinfo.visited then note_signals(name, body, pinfo.number) end
+    return ranges, at
+end
+
+-- Bytes that this version has no fields for, and their text for the info column
+local function show_newer(tree, body, at, body_len)
+    if at >= body_len then return "" end
+    tree:add(fields.newer, body(at, body_len - at))
+    return string.format(", further bytes: %d", body_len - at)
+end
+
+-- Returns the info text, or nil and the error
+local function show_message(tree, message, number, first, body, body_len, pinfo)
+    local name, shown = message[1], {}
+    local ranges, at = ranges_of(message, first, body, body_len)
+    if not ranges then return nil, at end
+    if not pinfo.visited then note_signals(name, number, ranges, pinfo.number) end
     signals.packet = pinfo.number
     for _, field in ipairs(message[2]) do
-        local len = field[2].len or body_len - at
-        local range = body(at, len)
-        shown[field[1]] = show_field(tree, field, range)
-        if not shown[field[1]] then
-            return nil, string.format("%s.%s holds bytes that aren't a value of its type", name, field[1])
+        local range = ranges[field[1]]
+        if range then
+            shown[field[1]] = show_field(tree, field, range)
+            if not shown[field[1]] then
+                return nil, string.format("%s.%s holds bytes that aren't a value of its type", name, field[1])
+            end
         end
-        at = at + len
     end
     if name == "CommandResult" then
-        shown.request = KIND_NAMES[body(1, 1):uint()] or "unknown request"
+        local request = ranges.request:uint()
+        shown.request = KIND_NAMES[request] or string.format("kind 0x%02x", request)
         tree:append_text(", to " .. shown.request)
     elseif name == "FaultReport" then
         tree:add_proto_expert_info(experts.fault, "The drive latched " .. shown.code)
     end
-    return info(name, shown)
+    return info(name, number, shown) .. show_newer(tree, body, at, body_len)
 end
 
 function lashloop.dissector(buffer, pinfo, root)
@@ -592,14 +648,27 @@ function lashloop.dissector(buffer, pinfo, root)
     pinfo.cols.src = from_drive and "drive" or "host"
     pinfo.cols.dst = from_drive and "host" or "drive"
 
-    local message = MESSAGES[kind]
+    if kind % 0x80 == 0 then
+        return bad(experts.refused, string.format("kind 0x%02x is never used", kind))
+    end
+    local message, number, first = MESSAGES[kind], 0, 1
+    if has_number(kind) and body_len > 1 then
+        number, first = frame(1, 1):uint(), 2
+        tree:add(fields.number, frame(1, 1))
+    end
     if not message then
-        return bad(experts.unknown, string.format("kind 0x%02x is not a message of protocol version %d", kind, PROTOCOL_VERSION))
+        local name = string.format("kind 0x%02x", kind)
+        tree:append_text(", " .. name)
+        pinfo.cols.info = info(name, number, {}) .. show_newer(tree, frame, first, body_len)
+        return #wire
+    end
+    if has_number(kind) and first == 1 then
+        return bad(experts.refused, message[1] .. " ends before its number")
     end
     tree:append_text(", " .. message[1])
-    local text, problem = show_message(tree, message, frame, body_len, pinfo)
+    local text, problem = show_message(tree, message, number, first, frame, body_len, pinfo)
     if not text then
-        return bad(experts.unknown, problem)
+        return bad(experts.refused, problem)
     end
     pinfo.cols.info = text
     return #wire

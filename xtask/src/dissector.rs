@@ -84,7 +84,7 @@ fn names(lua: &mut String, name: &str, values: &[(impl Display, &str)]) -> Resul
 
 /// The field's type, as the dissector constructs it.
 fn constructor(field: &FieldLayout) -> String {
-    match field.ty {
+    let ty = match field.ty {
         FieldType::U8 => "u8".into(),
         FieldType::U16 => "u16".into(),
         FieldType::U32 => "u32".into(),
@@ -99,7 +99,8 @@ fn constructor(field: &FieldLayout) -> String {
         FieldType::Text => format!("text({})", field.len),
         FieldType::ParameterValue => "value".into(),
         FieldType::Version => "version".into(),
-    }
+    };
+    if field.optional { format!("optional({ty})") } else { ty }
 }
 
 #[cfg(test)]

@@ -10,10 +10,10 @@ use anyhow::{Context, Result, ensure};
 use crc::CRC_32_ISCSI;
 use heck::{ToShoutySnakeCase, ToSnakeCase};
 use lashloop_protocol::enums::{FLAG_SETS, ParameterType, TorqueStatus, VALUE_LISTS};
-use lashloop_protocol::layout::{FieldLayout, FieldType, FlagSet, MessageLayout, ValueList};
+use lashloop_protocol::layout::{FieldLayout, FieldType, FlagSet, MessageLayout, ValueList, has_number};
 use lashloop_protocol::limits::{
-    CRC_LEN, DELIMITER, MAX_BODY, MAX_FRAME, MAX_LAWS, MAX_SIGNALS, MAX_TELEMETRY_VALUES, OVERHEAD,
-    PROTOCOL_VERSION,
+    CRC_LEN, DELIMITER, FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MAX_BODY, MAX_FRAME, MAX_LAWS, MAX_PARAMETERS,
+    MAX_SIGNALS, MAX_TELEMETRY_VALUES, MINOR_VERSION, OUTCOME_NAMES, OVERHEAD, PROTOCOL_VERSION, STATE_NAMES,
 };
 use lashloop_protocol::{DriveMessage, HostMessage, Message, crc as frame_crc, parameter_names};
 
@@ -29,17 +29,34 @@ const BEGINNING: &str = "\
  * docs/protocol.md specifies the meaning of the messages and when each is sent.
  *
  * Offsets count from the kind byte at offset 0 of every body, after the COBS stuffing has been removed.
- * Numbers are little endian. There are no structs: read byte by byte, independent of padding and of the byte order
- * of the machine.
+ * Values are little endian. There are no structs: read byte by byte, independent of padding and of the byte order of
+ * the machine.
+ *
+ * Requests and their answers have the number of the request at LASHLOOP_NUMBER_OFFSET. Offsets and lengths include
+ * it. A host that needs no numbers sends 0. The kinds 0x10 to 0x1f and 0x90 to 0x9f have no number: see
+ * LASHLOOP_HAS_NUMBER.
+ *
+ * A receiver takes bodies of other lengths than BODY_LEN:
+ * - longer ones, because a newer minor version may have added fields. It ignores the rest. Telemetry is the
+ *   exception: its values run to the end of the body.
+ * - shorter ones, down to SHORTEST_BODY_LEN, which lack the optional last field or some of its bytes.
+ *
+ * Lists of values and sets of flags are open: a newer drive may have more. Every byte but 0 is a value of a list.
+ * DescribeChoice asks the drive for the name of a value.
  */
 
 #ifndef LASHLOOP_H
 #define LASHLOOP_H
 ";
 
+/// Bits of a kind that say whether it has a number, and their value in the kinds without one.
+const NUMBERLESS_MASK: u8 = 0x70;
+const NUMBERLESS: u8 = 0x10;
+
 const LIST_OF_MESSAGES: &str = "
-/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
- * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
+/* X(name, kind, shortest body length, body length, element length) for every message that this side sends.
+ * If the element length is 0, a body has the shortest length or more. Else the last field repeats: a body has at least
+ * one element, and at most the body length. */
 ";
 
 /// Writes the header.
@@ -54,6 +71,7 @@ pub(crate) fn write() -> Result<()> {
 fn text() -> Result<String> {
     let mut header = String::from(BEGINNING);
     limits(&mut header)?;
+    numbers(&mut header)?;
     for list in VALUE_LISTS {
         let prefix = list.name.to_shouty_snake_case();
         let value = |(byte, value): &(u8, &str)| {
@@ -75,9 +93,11 @@ fn text() -> Result<String> {
         }
         header.push_str(LIST_OF_MESSAGES);
         write!(header, "#define LASHLOOP_{sender}_MESSAGES(X)")?;
-        for MessageLayout { name, kind, body_len, element_len, .. } in layouts {
+        for layout in layouts {
+            let MessageLayout { name, kind, body_len, element_len, .. } = layout;
             let (name, element_len) = (name.to_shouty_snake_case(), element_len.unwrap_or(0));
-            write!(header, " \\\n    X({name}, {kind:#04x}, {body_len}, {element_len})")?;
+            let shortest = layout.shortest_body_len();
+            write!(header, " \\\n    X({name}, {kind:#04x}, {shortest}, {body_len}, {element_len})")?;
         }
         header.push('\n');
     }
@@ -94,13 +114,15 @@ fn limits(header: &mut String) -> Result<()> {
     let word = |word: u32| format!("{word:#010x}u");
     let reflected = "for a loop that shifts right, as input and output are reflected";
     let limits = [
-        ("PROTOCOL_VERSION", PROTOCOL_VERSION.to_string(), "in Hello and Identity"),
+        ("PROTOCOL_VERSION", PROTOCOL_VERSION.to_string(), "in Hello and Identity; both sides have the same"),
+        ("MINOR_VERSION", MINOR_VERSION.to_string(), "in Hello and Identity; may differ"),
         ("MAX_FRAME", MAX_FRAME.to_string(), "longest frame in bytes, COBS code and delimiter included"),
-        ("MAX_BODY", MAX_BODY.to_string(), "longest body in bytes: kind and fields"),
+        ("MAX_BODY", MAX_BODY.to_string(), "longest body in bytes: kind, number and fields"),
         ("OVERHEAD", OVERHEAD.to_string(), "bytes of a frame beyond its body: COBS code, CRC, delimiter"),
         ("DELIMITER", DELIMITER.to_string(), "ends every frame and occurs nowhere else"),
         ("MAX_LAWS", MAX_LAWS.to_string(), "most laws of a drive"),
         ("MAX_SIGNALS", MAX_SIGNALS.to_string(), "most signals of a drive"),
+        ("MAX_PARAMETERS", MAX_PARAMETERS.to_string(), "most parameters of a drive"),
         ("MAX_TELEMETRY_VALUES", MAX_TELEMETRY_VALUES.to_string(), "most values of one telemetry message"),
         ("CRC_LEN", CRC_LEN.to_string(), "bytes, little endian, after the body"),
         (
@@ -118,6 +140,17 @@ fn limits(header: &mut String) -> Result<()> {
     for (name, limit, meaning) in limits {
         writeln!(header, "#define LASHLOOP_{name} {limit} /* {meaning} */")?;
     }
+    header.push_str("\n/* Parameters of DescribeChoice that stand for a list; the choice is a value of */\n");
+    let lists = [
+        ("FAULT", FAULT_NAMES, "enum lashloop_fault_code"),
+        ("OUTCOME", OUTCOME_NAMES, "enum lashloop_outcome"),
+        ("STATE", STATE_NAMES, "enum lashloop_state"),
+        ("FLAG", FLAG_NAMES, "LASHLOOP_TORQUE_FLAGS_*"),
+        ("KIND", KIND_NAMES, "LASHLOOP_*_KIND, those of the host and of the drive"),
+    ];
+    for (name, parameter, values) in lists {
+        writeln!(header, "#define LASHLOOP_{name}_NAMES {parameter} /* {values} */")?;
+    }
     header.push_str("\n/* Names of parameters with the same meaning in every drive */\n");
     for name in parameter_names::RESERVED {
         writeln!(header, "#define LASHLOOP_PARAMETER_{} \"{name}\"", name.to_uppercase())?;
@@ -125,16 +158,35 @@ fn limits(header: &mut String) -> Result<()> {
     Ok(())
 }
 
+/// Which kinds have a number, as a rule that C evaluates for any kind.
+fn numbers(header: &mut String) -> Result<()> {
+    let differing = (0..=u8::MAX).find(|kind| has_number(*kind) == (kind & NUMBERLESS_MASK == NUMBERLESS));
+    ensure!(differing.is_none(), "LASHLOOP_HAS_NUMBER is wrong for the kind {differing:#04x?}");
+    let rule = format!("(((kind) & {NUMBERLESS_MASK:#x}) != {NUMBERLESS:#x})");
+    header.push_str("\n/* Whether a kind has a number, be it in this header or not */\n");
+    writeln!(header, "#define LASHLOOP_HAS_NUMBER(kind) {rule}\n#define LASHLOOP_NUMBER_OFFSET 1")?;
+    Ok(())
+}
+
 fn message(header: &mut String, layout: &MessageLayout) -> Result<()> {
     let name = layout.name.to_shouty_snake_case();
     writeln!(header, "\n/* {}: {} */", layout.name, plain(layout.meaning))?;
     writeln!(header, "#define LASHLOOP_{name}_KIND {:#04x}", layout.kind)?;
-    let longest = if layout.element_len.is_some() { " /* of the longest */" } else { "" };
+    let shortest = layout.shortest_body_len();
+    let longest = match layout.element_len {
+        Some(_) => " /* of the longest */",
+        None if shortest < layout.body_len => " /* with the optional field */",
+        None => "",
+    };
     writeln!(header, "#define LASHLOOP_{name}_BODY_LEN {}{longest}", layout.body_len)?;
     writeln!(header, "#define LASHLOOP_{name}_FRAME_LEN {}{longest}", layout.frame_len())?;
+    if shortest < layout.body_len {
+        writeln!(header, "#define LASHLOOP_{name}_SHORTEST_BODY_LEN {shortest}")?;
+    }
     for field in layout.fields {
         let name = format!("LASHLOOP_{name}_{}", field.name.to_uppercase());
-        writeln!(header, "/* {}: {} */", c_type(field), plain(field.meaning))?;
+        let optional = if field.optional { ", optional" } else { "" };
+        writeln!(header, "/* {}{optional}: {} */", c_type(field), plain(field.meaning))?;
         writeln!(header, "#define {name}_OFFSET {}", field.offset)?;
         match layout.element_len.filter(|_| field.offset + field.len == layout.body_len) {
             Some(element_len) => writeln!(header, "#define {name}_ELEMENT_LEN {element_len}")?,
@@ -168,9 +220,16 @@ fn c_type(field: &FieldLayout) -> String {
     }
 }
 
-/// Documentation without markup.
+/// Documentation without markup; of a link the text remains.
 fn plain(meaning: &str) -> String {
-    meaning.trim().replace('`', "")
+    let mut text = meaning.trim().replace('`', "");
+    while let Some((before, link)) = text.split_once('[')
+        && let Some((shown, rest)) = link.split_once("](")
+        && let Some((_, after)) = rest.split_once(')')
+    {
+        text = [before, shown, after].concat();
+    }
+    text
 }
 
 #[cfg(test)]
