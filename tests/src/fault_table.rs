@@ -236,7 +236,7 @@ fn messages<M: Message>(direction: Direction, records: &Records, context: &str) 
             let mut rest = &packet.bytes[..];
             std::iter::from_fn(|| decoder.next(&mut rest)).collect::<Vec<_>>()
         })
-        .filter_map(Result::ok)
+        .filter_map(|item| item.ok().map(|it| it.message))
         .collect()
 }
 

@@ -11,7 +11,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
 use rustix::event::{PollFd, PollFlags, poll};
 
 use crate::terminal::{self, open_near_end};
@@ -66,7 +66,26 @@ impl Transit {
         }
     }
 
+    /// Number of the request that the frame is or answers; 0 if it has none.
+    #[must_use]
+    pub fn number(&self) -> u8 {
+        match self.sender {
+            Sender::Bench => self.numbered::<HostMessage>().map_or(0, |it| it.number),
+            Sender::Drive => self.numbered::<DriveMessage>().map_or(0, |it| it.number),
+        }
+    }
+
+    /// Sends this message of the drive instead, with the number of the frame.
+    #[must_use]
+    pub fn replaced(&self, message: impl Into<DriveMessage>) -> Action {
+        Action::Replace(message.into().numbered_frame(self.number()).to_vec())
+    }
+
     fn read<M: Message>(&self) -> Option<M> {
+        self.numbered().map(|it| it.message)
+    }
+
+    fn numbered<M: Message>(&self) -> Option<Numbered<M>> {
         Decoder::new().next(&mut &self.bytes[..])?.ok()
     }
 }

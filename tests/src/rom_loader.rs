@@ -81,7 +81,7 @@ impl RomLoader {
             let has_left = chip.line.try_clone().and_then(|mut line| firmware(&mut line));
             // Until `Go`; an error is the end of the test.
             if has_left.is_ok() && chip.serve().is_ok() && defect != Defect::Silent {
-                let _ = Twin { terminal }.serve();
+                let _ = Twin::from(terminal).serve();
             } else {
                 thread::park();
             }

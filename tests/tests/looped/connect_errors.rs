@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::Identity;
-use lashloop_protocol::{DriveMessage, Message};
 use tests::loss::run_in_progress;
 use tests::paper::RUNS;
 use tests::program::{self, Ended};
@@ -25,8 +25,7 @@ fn a_drive_of_another_version_is_rejected_by_both_versions() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
-            let identity = DriveMessage::from(Identity { protocol_version: 9, ..identity });
-            Action::Replace(identity.frame().to_vec())
+            frame.replaced(Identity { protocol_version: 9, ..identity })
         }
         _ => Action::Forward,
     });

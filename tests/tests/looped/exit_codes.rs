@@ -1,7 +1,5 @@
 //! Exit codes of runs.
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::Message;
 use rustix::process::Signal;
 use serde_json::json;
 use tests::loss::run_in_progress;
@@ -57,7 +55,7 @@ fn a_torque_beyond_the_limit_fails_the_run_with_rule_and_step() {
     let relay = Relay::start(twin.path(), |frame| match frame.torque() {
         Some(mut answer) if answer.sequence == 300 => {
             answer.torque_nm = 25.0_f32.next_up();
-            Action::Replace(DriveMessage::TorqueAnswer(answer).frame().to_vec())
+            frame.replaced(answer)
         }
         _ => Action::Forward,
     });

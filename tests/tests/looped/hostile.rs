@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::LogLevel;
 use lashloop_protocol::message::{
     ChoiceDescription, Identity, LawDescription, Log, ParameterDescription, SignalDescription,
 };
 use lashloop_protocol::text::Text;
-use lashloop_protocol::{DriveMessage, Message};
 use lashloop_record::reader::Record;
 use tests::program;
 use tests::relay::{Action, Relay};
@@ -78,7 +78,7 @@ fn with_evil_texts(message: DriveMessage) -> DriveMessage {
             SignalDescription { name: Text::new(&evil(it.index)), unit: Text::new("\u{1b}c"), ..it }.into()
         }
         DriveMessage::TorqueAnswer(it) if it.sequence == 3 => {
-            Log { level: LogLevel::Warning, text: Text::new(EVIL) }.into()
+            Log { level: LogLevel::Warning, text: Text::new(EVIL), device_time_us: None }.into()
         }
         other => other,
     }
@@ -104,7 +104,7 @@ fn assert_files_harmless(folder: &Path) {
 fn text_of_a_drive_reaches_no_output_raw() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
-        Some(message) => Action::Replace(with_evil_texts(message).frame().to_vec()),
+        Some(message) => frame.replaced(with_evil_texts(message)),
         None => Action::Forward,
     });
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use lashloop_bench::run::End;
 use lashloop_bench::timing::StepOutcome;
-use lashloop_protocol::{Decoder, HostMessage};
+use lashloop_protocol::{Decoder, HostMessage, Numbered};
 use serde_json::Value;
 use tests::paper::RUNS;
 use tests::program;
@@ -142,7 +142,8 @@ fn a_slow_restart_is_repeated_at_the_present_step() {
     // The second start follows the reset; the bench detects its loss after half a second.
     let loses = |bytes: &[u8]| {
         let message = Decoder::new().next::<HostMessage>(&mut &*bytes).and_then(Result::ok);
-        matches!(message, Some(HostMessage::Start(_))) && STARTS.fetch_add(1, Ordering::Relaxed) == 1
+        matches!(message, Some(Numbered { message: HostMessage::Start(_), .. }))
+            && STARTS.fetch_add(1, Ordering::Relaxed) == 1
     };
     let made = made(&Script {
         scenario: SMOOTH_AFTER,

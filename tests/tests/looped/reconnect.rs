@@ -262,7 +262,7 @@ fn a_disconnect_without_resume_ends_with_exit_code_4() {
 
 #[test]
 fn another_firmware_under_the_name_is_never_armed() {
-    use lashloop_protocol::{DriveMessage, HostMessage, Message};
+    use lashloop_protocol::{DriveMessage, HostMessage};
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, _records) = started(&name, &["run.duration_s=200", "allow.resumes=1", "allow.lost=2"]);
@@ -272,7 +272,7 @@ fn another_firmware_under_the_name_is_never_armed() {
     let relay = Relay::start(second.path(), move |frame| {
         if let Some(DriveMessage::Identity(mut identity)) = frame.from_drive() {
             identity.build_id ^= 1;
-            return Action::Replace(DriveMessage::from(identity).frame().to_vec());
+            return frame.replaced(identity);
         }
         if let Some(HostMessage::Arm(_)) = frame.from_bench() {
             seen.store(true, std::sync::atomic::Ordering::Relaxed);

@@ -7,7 +7,7 @@ use futures_util::{SinkExt, StreamExt};
 use lashloop_protocol::codec::Codec;
 use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, EncoderSample, Hello, Start, Stop, Subscribe};
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, Numbered, PROTOCOL_VERSION};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use tests::terminal::open_near_end;
 use tests::twin::Twin;
@@ -30,17 +30,27 @@ fn asynchronous(terminal: File) -> impl AsyncRead + AsyncWrite + Unpin {
     tokio::io::join(reader, writer)
 }
 
-struct Line<Io>(Framed<Io, Codec<DriveMessage, HostMessage>>);
+struct Line<Io> {
+    frames: Framed<Io, Codec<DriveMessage, HostMessage>>,
+    /// Number of the last request.
+    number: u8,
+}
 
 impl<Io: AsyncRead + AsyncWrite + Unpin> Line<Io> {
     async fn request(&mut self, request: impl Into<HostMessage>) -> DriveMessage {
-        self.0.send(request.into()).await.expect("the line takes a frame");
+        let message = request.into();
+        self.number = self.number % u8::MAX + 1;
+        let request = Numbered { number: self.number, message };
+        self.frames.send(request).await.expect("the line takes a frame");
         self.receive().await
     }
 
     async fn receive(&mut self) -> DriveMessage {
-        let item = tokio::time::timeout(SOON, self.0.next()).await.expect("the drive answers in time");
-        item.expect("the line stays up").expect("the line can be read").expect("a good frame")
+        let item = tokio::time::timeout(SOON, self.frames.next()).await.expect("the drive answers in time");
+        let item = item.expect("the line stays up").expect("the line can be read").expect("a good frame");
+        let expected = if item.message.layout().has_number() { self.number } else { 0 };
+        assert_eq!(item.number, expected, "{item:?}");
+        item.message
     }
 
     async fn command(&mut self, request: impl Into<HostMessage>) -> State {
@@ -55,9 +65,9 @@ impl<Io: AsyncRead + AsyncWrite + Unpin> Line<Io> {
 }
 
 async fn converse(terminal: File) -> Vec<f32> {
-    let mut line = Line(Framed::new(asynchronous(terminal), Codec::default()));
-    let hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
-    let DriveMessage::Identity(identity) = line.request(hello).await else {
+    let frames = Framed::new(asynchronous(terminal), Codec::default());
+    let mut line = Line { frames, number: 0 };
+    let DriveMessage::Identity(identity) = line.request(Hello::new(SESSION)).await else {
         panic!("an identity was expected")
     };
     assert_eq!((identity.protocol_version, identity.session), (PROTOCOL_VERSION, SESSION));
@@ -90,7 +100,7 @@ async fn converse(terminal: File) -> Vec<f32> {
     assert_eq!((report.messages, report.damaged, report.refused, report.overruns), (11, 0, 0, 0));
     let DriveMessage::CommandResult(stopped) = line.receive().await else { panic!("a result was expected") };
     assert_eq!((stopped.outcome, stopped.state), (Outcome::Accepted, State::Idle));
-    let counters = line.0.codec().counters();
+    let counters = line.frames.codec().counters();
     assert_eq!((counters.damaged(), counters.refused), (0, 0));
     torques_nm
 }

@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
-use lashloop_protocol::message::{Arm, Start};
+use lashloop_protocol::message::{Arm, SetParameter, Start};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
 use crate::action::Action;
@@ -49,6 +51,9 @@ impl Reached {
                 vec![format!("{name}, same session")]
             }
             HostMessage::Hello(_) => vec![another],
+            HostMessage::SetParameter(SetParameter { index, .. }) if is_live(*index) => {
+                vec![format!("{name}, live")]
+            }
             HostMessage::Arm(Arm { session }) | HostMessage::Start(Start { session }) => match self.session {
                 None if before == State::Boot => vec![name.to_owned(), another],
                 Some(present) if present == *session => vec![name.to_owned()],
@@ -90,16 +95,18 @@ impl Observer for Reached {
     }
 }
 
+fn is_live(index: u8) -> bool {
+    Laws::PARAMETERS.get(usize::from(index)).is_some_and(|parameter| parameter.live)
+}
+
 /// Every cell of the table, and the outcomes of the rules below it and of sections 7, 9 and 10. Not among them is what the Lashloop
-/// drive can't show: it has no live parameter, at most 13 signals, and no signal that a law lacks.
+/// drive can't show: it has at most 13 signals.
 fn cells_of_the_page() -> BTreeSet<Cell> {
     let states = State::ALL.iter().map(|state| format!("{state:?}")).collect::<Vec<_>>();
     let mut cells = BTreeSet::new();
     for row in markdown::table(markdown::section("## 6. States"), "request") {
-        if row[0] != "SetParameter, live" {
-            let row_cells = states.iter().zip(&row[1..]).filter(|(_, result)| *result != "no session yet");
-            cells.extend(row_cells.map(|(before, result)| cell(&row[0], before, result)));
-        }
+        let row_cells = states.iter().zip(&row[1..]).filter(|(_, result)| *result != "no session yet");
+        cells.extend(row_cells.map(|(before, result)| cell(&row[0], before, result)));
     }
     for before in &states {
         let with_index = [
@@ -121,6 +128,9 @@ fn cells_of_the_page() -> BTreeSet<Cell> {
         cell("SetParameter", "Idle", "WrongType"),
         cell("SetParameter", "Idle", "OutOfRange"),
         cell("Arm", "Idle", "Inconsistent"),
+        cell("Arm", "Idle", "SignalOfOtherLaw"),
+        cell("Subscribe", "Armed", "SignalOfOtherLaw"),
+        cell("Subscribe", "Running", "SignalOfOtherLaw"),
         cell("EncoderSample", "Running", "OutOfSequence"),
         cell("EncoderSample", "Running", "-> Faulted"),
         cell("ClearFault", "Faulted", "-> Boot"),

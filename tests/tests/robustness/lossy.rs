@@ -39,8 +39,8 @@ struct Traffic {
 
 impl Traffic {
     fn send(&mut self, mut bytes: &[u8]) {
-        while let Some(message) = self.to_drive.next::<HostMessage>(&mut bytes) {
-            match message {
+        while let Some(item) = self.to_drive.next::<HostMessage>(&mut bytes) {
+            match item.map(|it| it.message) {
                 Ok(HostMessage::Arm(_)) => {
                     let counters = self.to_bench.counters();
                     (self.damaged_before.1, self.messages_before.1) = (counters.damaged(), counters.messages);
@@ -62,8 +62,8 @@ impl Traffic {
     }
 
     fn receive(&mut self, mut bytes: &[u8]) {
-        while let Some(message) = self.to_bench.next::<DriveMessage>(&mut bytes) {
-            match message {
+        while let Some(item) = self.to_bench.next::<DriveMessage>(&mut bytes) {
+            match item.map(|it| it.message) {
                 Ok(DriveMessage::TorqueAnswer(answer)) => {
                     let last_sent = self.last_sent.filter(|step| of_step(*step) == answer.sequence);
                     if let Some(step) = last_sent

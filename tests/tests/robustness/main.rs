@@ -8,6 +8,7 @@ mod fuzz_corpus;
 #[path = "../../../firmware/tests/properties/invariants.rs"]
 mod invariants;
 mod lossy;
+mod minor_versions;
 mod seeds;
 #[path = "../../../firmware/tests/properties/transitions.rs"]
 mod transitions;

@@ -12,7 +12,9 @@ use lashloop_protocol::message::{
     EnterLoader, GetParameter, Hello, Reference, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
-use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{HostMessage, Message};
+
+use examples::NUMBER;
 
 #[allow(dead_code, reason = "the tests of the protocol use more of it")]
 #[path = "../../../protocol/tests/wire/examples.rs"]
@@ -77,9 +79,9 @@ fn decoder_seeds() -> Vec<Seed> {
         Seed::new("decoder", name, [&[piece_len], stream].concat())
     };
     let (host, drive) = (examples::from_host(), examples::from_drive());
-    let frames: Vec<Vec<u8>> = host.iter().map(|message| message.frame().to_vec()).collect();
-    let mut seeds: Vec<Seed> = host.iter().map(|m| seed(name_of(m), 64, &m.frame())).collect();
-    seeds.extend(drive.iter().map(|m| seed(name_of(m), FOR_HOST | 64, &m.frame())));
+    let frames: Vec<Vec<u8>> = host.iter().map(|message| message.numbered_frame(NUMBER).to_vec()).collect();
+    let mut seeds: Vec<Seed> = host.iter().zip(&frames).map(|(m, f)| seed(name_of(m), 64, f)).collect();
+    seeds.extend(drive.iter().map(|m| seed(name_of(m), FOR_HOST | 64, &m.numbered_frame(NUMBER))));
     seeds.push(seed("all_in_small_pieces".into(), 7, &frames.concat()));
     seeds.push(seed(
         "all_without_delimiters".into(),
@@ -93,14 +95,13 @@ fn decoder_seeds() -> Vec<Seed> {
 /// Seeds of the frames: one of each message, then one of each damage.
 fn frames_seeds() -> Vec<Seed> {
     let frame = |head: u8, body: &[u8]| [&[head << 6 | (body.len() - 1) as u8, 20], body].concat();
-    let messages =
-        examples::from_host().iter().map(|m| (name_of(m), 64, body(&m.frame()))).collect::<Vec<_>>();
+    let messages = examples::from_host().iter().map(|m| (name_of(m), 64, body(m))).collect::<Vec<_>>();
     let from_drive = examples::from_drive();
-    let from_drive = from_drive.iter().map(|m| (name_of(m), FOR_HOST | 64, body(&m.frame())));
+    let from_drive = from_drive.iter().map(|m| (name_of(m), FOR_HOST | 64, body(m)));
     let seed = |(name, first, body): (String, u8, Vec<u8>)| {
         Seed::new("frames", name, [&[first][..], &frame(0, &body)].concat())
     };
-    let arm = body(&HostMessage::from(Arm { session: 7 }).frame());
+    let arm = body(&HostMessage::from(Arm { session: 7 }));
     let damaged = (1..3).map(|damage| {
         let frames = [frame(damage, &arm), frame(0, &arm), frame(0, &arm)].concat();
         Seed::new("frames", format!("damage_{damage}"), [&[5][..], &frames].concat())
@@ -138,7 +139,7 @@ fn state_seeds() -> Vec<Seed> {
         })
     };
     let rows = markdown::table(markdown::section("## 6. States"), "request");
-    let names = rows.iter().map(|row| row[0].as_str()).filter(|name| *name != "SetParameter, live");
+    let names = rows.iter().map(|row| row[0].as_str());
     let unknown: [HostMessage; 6] = [
         DescribeParameter { index: u8::MAX }.into(),
         GetParameter { index: u8::MAX }.into(),
@@ -175,6 +176,12 @@ fn state_seeds() -> Vec<Seed> {
         &sample(0, 0, f32::MAX),
     ];
     seeds.push(Seed::new("drive", "torque_not_finite", not_finite.concat()));
+    let of_other_law = Subscribe { signals: host::signals(&["dead_zone_deviation_rad"]), every: 1 };
+    let arm = request(&Arm { session: host::SESSION }.into());
+    for (name, state, then) in [("idle", 1, &arm[..]), ("armed", 2, &[][..]), ("running", 3, &[][..])] {
+        let history = [&[6, state][..], &request(&of_other_law.into()), then].concat();
+        seeds.push(Seed::new("drive", format!("{name}_signal_of_other_law"), history));
+    }
     let fault_before_hello =
         [&[6, 0][..], &request(&EmergencyStop {}.into()), &request(&ClearFault {}.into())];
     seeds.push(Seed::new("drive", "fault_before_hello", fault_before_hello.concat()));
@@ -184,7 +191,7 @@ fn state_seeds() -> Vec<Seed> {
 /// Seeds of the drive: histories in the encoding of `firmware/tests/properties/action.rs`.
 fn drive_seeds() -> Vec<Seed> {
     let seed = |name: &str, actions: &[Vec<u8>]| Seed::new("drive", name, actions.concat());
-    let hello = request(&Hello { protocol_version: PROTOCOL_VERSION, session: 7 }.into());
+    let hello = request(&Hello::new(7).into());
     let go =
         [hello.clone(), request(&Arm { session: 7 }.into()), request(&Start { session: 7 }.into())].concat();
     let controller = Laws::PARAMETERS.iter().position(|parameter| parameter.name == CONTROLLER);
@@ -217,10 +224,11 @@ const DRAIN: [u8; 1] = [5];
 
 fn request(message: &HostMessage) -> Vec<u8> {
     let kind = HostMessage::LAYOUTS.iter().position(|layout| layout.name == message.layout().name);
-    [&[1, kind.expect("every message has a layout") as u8], &body(&message.frame())[1..]].concat()
+    [&[1, kind.expect("every message has a layout") as u8], &body(message)[1..]].concat()
 }
 
-fn body(frame: &[u8]) -> Vec<u8> {
+fn body<M: Message>(message: &M) -> Vec<u8> {
+    let frame = message.numbered_frame(NUMBER);
     let mut stuffed = frame[..frame.len() - 1].to_vec();
     lashloop_protocol::frame::open(&mut stuffed).expect("a frame of ours").to_vec()
 }

@@ -9,7 +9,7 @@ use std::fmt;
 use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, cobs, frame};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, Numbered, cobs, frame};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -69,9 +69,9 @@ impl Tally {
         self.crc + self.refused + self.wrong
     }
 
-    fn note<M: Message>(&mut self, item: &Result<M, FrameError>, sent: &[&[u8]]) {
+    fn note<M: Message>(&mut self, item: &Result<Numbered<M>, FrameError>, sent: &[&[u8]]) {
         *match item {
-            Ok(message) if sent.contains(&&message.frame()[..]) => &mut self.unharmed,
+            Ok(it) if sent.contains(&&it.message.numbered_frame(it.number)[..]) => &mut self.unharmed,
             Ok(_) => &mut self.wrong,
             Err(FrameError::Crc { expected, found }) => {
                 self.half_agrees += u64::from((expected ^ found).trailing_zeros() >= 16);

@@ -14,7 +14,7 @@ use lashloop_bench::verdict::Verdict;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::enums::{State, TorqueFlags};
 use lashloop_protocol::message::TorqueAnswer;
-use lashloop_protocol::{Decoder, DriveMessage, Message};
+use lashloop_protocol::{Decoder, DriveMessage, Message, Numbered};
 
 const LIMIT_NM: f32 = 8.0;
 /// The sample whose answer is wrong.
@@ -47,7 +47,7 @@ impl<F: FnMut(&mut TorqueAnswer) + Send> Link for Altered<F> {
         let mut bytes = &arrived[..count];
         let mut altered = Vec::new();
         while let Some(message) = self.decoder.next::<DriveMessage>(&mut bytes) {
-            let mut message = message.expect("the drive sends good frames");
+            let Numbered { number, mut message } = message.expect("the drive sends good frames");
             match &mut message {
                 DriveMessage::TorqueAnswer(answer) => (self.alter)(answer),
                 DriveMessage::FaultReport(_) if self.drops_reports => {
@@ -58,7 +58,7 @@ impl<F: FnMut(&mut TorqueAnswer) + Send> Link for Altered<F> {
                 }
                 _ => {}
             }
-            altered.extend_from_slice(&message.frame());
+            altered.extend_from_slice(&message.numbered_frame(number));
         }
         buffer[..altered.len()].copy_from_slice(&altered);
         Ok(altered.len())
