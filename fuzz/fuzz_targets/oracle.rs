@@ -54,7 +54,7 @@ impl Expected<'_> {
                     Err(FrameError::Body(_)) => counters.refused += 1,
                     Err(_) => counters.malformed += 1,
                 }
-                // A message that this version doesn't know is no garbage.
+                // A message that this version doesn't know isn't garbage.
                 if !matches!(item, Ok(_) | Err(FrameError::Body(BodyError::UnknownKind { .. }))) {
                     counters.discarded_bytes += stuffed.len() as u32 + 1;
                 }

@@ -2,7 +2,7 @@
 
 use lashloop_protocol::Message;
 
-use crate::annexes::conversation;
+use crate::annexes::{Exchange, conversation};
 use crate::script::script;
 
 #[test]
@@ -28,6 +28,6 @@ fn the_conversation_covers_handshake_to_stop() {
 #[test]
 fn the_annex_has_every_frame_of_the_conversation_in_order() {
     let have: Vec<_> = script().into_iter().map(|(_, frame)| frame).collect();
-    let want: Vec<_> = conversation().iter().flat_map(|it| it.frames()).collect();
+    let want: Vec<_> = conversation().iter().flat_map(Exchange::frames).collect();
     assert_eq!(have, want);
 }

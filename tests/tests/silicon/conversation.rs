@@ -4,7 +4,8 @@ use std::io::{Read, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::message::{Identity, TorqueAnswer};
+use lashloop_protocol::enums::Capabilities;
+use lashloop_protocol::message::{CommandResult, Identity, LineReport, ParameterReport, TorqueAnswer};
 use lashloop_protocol::{Decoder, DriveMessage, Message};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -75,27 +76,41 @@ impl Drop for Line {
     }
 }
 
-/// The documented frame with what depends on build and clock as in the frame that came.
+/// The documented frame with what depends on build, board and clock as in the frame that came.
 fn as_came(documented: &[u8], came: &[u8]) -> Vec<u8> {
     let decode = |frame: &[u8]| Decoder::new().next::<DriveMessage>(&mut &frame[..]);
-    let message = match (decode(documented), decode(came)) {
-        (Some(Ok(DriveMessage::Identity(identity))), Some(Ok(DriveMessage::Identity(came)))) => {
-            let Identity { firmware, build_id, dirty, .. } = came;
+    let (Some(Ok(documented_item)), Some(Ok(came))) = (decode(documented), decode(came)) else {
+        return documented.to_vec();
+    };
+    let message = match (documented_item.message, came.message) {
+        (DriveMessage::Identity(identity), DriveMessage::Identity(came)) => {
+            let Identity { firmware, build_id, dirty, capabilities, device_time_us, .. } = came;
             // The page has the conversation of a drive without pins.
             let parameter_count = identity.parameter_count + OF_BENCH_MODE;
-            DriveMessage::from(Identity { firmware, build_id, dirty, parameter_count, ..identity })
+            assert_eq!(capabilities, Capabilities::all());
+            Identity { firmware, build_id, dirty, parameter_count, capabilities, device_time_us, ..identity }
+                .into()
         }
-        (Some(Ok(DriveMessage::TorqueAnswer(answer))), Some(Ok(DriveMessage::TorqueAnswer(came)))) => {
+        (DriveMessage::ParameterReport(report), DriveMessage::ParameterReport(came)) => {
+            ParameterReport { device_time_us: came.device_time_us, ..report }.into()
+        }
+        (DriveMessage::LineReport(report), DriveMessage::LineReport(came)) => {
+            LineReport { device_time_us: came.device_time_us, ..report }.into()
+        }
+        (DriveMessage::CommandResult(result), DriveMessage::CommandResult(came)) => {
+            CommandResult { device_time_us: came.device_time_us, ..result }.into()
+        }
+        (DriveMessage::TorqueAnswer(answer), DriveMessage::TorqueAnswer(came)) => {
             let compute_tenths_us = came.compute_tenths_us;
             assert!(
                 compute_tenths_us <= LONGEST_STEP_TENTHS_US,
                 "a step took {compute_tenths_us} tenths of a us"
             );
-            DriveMessage::from(TorqueAnswer { compute_tenths_us, ..answer })
+            TorqueAnswer { compute_tenths_us, ..answer }.into()
         }
         _ => return documented.to_vec(),
     };
-    message.frame().to_vec()
+    DriveMessage::numbered_frame(&message, documented_item.number).to_vec()
 }
 
 /// Boots from the crystal: the identity has the board of a crystal, and no log line reports another clock.

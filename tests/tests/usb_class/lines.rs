@@ -102,7 +102,7 @@ fn the_other_line_is_ignored_during_a_run_and_served_after_the_watchdog() {
     let mut host = start();
     by_usb(&mut host, &hello()).expect("an answer");
     begin_run(&mut host);
-    let intruder = HostMessage::from(Hello { protocol_version: 1, session: 8 }).frame();
+    let intruder = HostMessage::from(Hello::new(8)).frame();
     assert_eq!(by_uart(&mut host, &intruder), [0; 0]);
     assert_eq!(host.drive.state(), State::Running);
     // The host sends nothing more.

@@ -8,19 +8,19 @@ use lashloop_firmware::usb::{HostSide, PACKET_BYTES};
 use lashloop_protocol::counts::EncoderCounts;
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::{ClearFault, EncoderSample, Hello, Reset};
-use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{HostMessage, Message};
 use tests::usb::bus::BusEvent;
 
 /// Length of a transfer that a host requests: several packets.
 const TRANSFER: usize = 512;
 
 fn hello() -> Vec<u8> {
-    HostMessage::from(Hello { protocol_version: PROTOCOL_VERSION, session: 7 }).frame().to_vec()
+    HostMessage::from(Hello::new(7)).frame().to_vec()
 }
 
 /// Frames of a drive: the answer to a sample, and the result of a request.
 const TORQUE_ANSWER: usize = 16;
-const COMMAND_RESULT: usize = 10;
+const COMMAND_RESULT: usize = 19;
 
 fn sample() -> HostMessage {
     let [motor_counts, load_counts] = [EncoderCounts::wrapping(0); 2];

@@ -9,7 +9,7 @@ use std::io;
 use std::path::PathBuf;
 
 #[cfg(test)]
-pub use conversation::conversation;
+pub use conversation::{Exchange, conversation};
 #[cfg(test)]
 pub use tables::longest_gap;
 
