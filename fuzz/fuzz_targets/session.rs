@@ -8,12 +8,12 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_firmware::Laws;
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
-use lashloop_session::{Session, SessionError};
-use lashloop_firmware::Laws;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::{DriveMessage, EncoderCounts, MAX_FRAME, Message, cobs, crc, frame};
+use lashloop_session::{Session, SessionError};
 use libfuzzer_sys::fuzz_target;
 
 /// [`PATIENCE`](lashloop_session::PATIENCE) up to the start, and as much again for the stop and for what a limit oversteps.
@@ -177,7 +177,9 @@ impl Link for Hostile {
             if count == 0 {
                 return Ok(0);
             }
-            sent[..count].split_inclusive(|&byte| byte == frame::DELIMITER).for_each(|frame| self.pass(frame));
+            sent[..count]
+                .split_inclusive(|&byte| byte == frame::DELIMITER)
+                .for_each(|frame| self.pass(frame));
         }
         let count = self.ready.len().min(buffer.len());
         buffer[..count].copy_from_slice(&self.ready[..count]);

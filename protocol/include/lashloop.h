@@ -33,6 +33,11 @@
 #define LASHLOOP_MAX_SIGNALS 32 /* most signals of a drive */
 #define LASHLOOP_MAX_PARAMETERS 240 /* most parameters of a drive */
 #define LASHLOOP_MAX_TELEMETRY_VALUES 13 /* most values of one telemetry message */
+#define LASHLOOP_FAULT_NAMES 255 /* as parameter of DescribeChoice: enum lashloop_fault_code */
+#define LASHLOOP_OUTCOME_NAMES 254 /* as parameter of DescribeChoice: enum lashloop_outcome */
+#define LASHLOOP_STATE_NAMES 253 /* as parameter of DescribeChoice: enum lashloop_state */
+#define LASHLOOP_FLAG_NAMES 252 /* as parameter of DescribeChoice: LASHLOOP_TORQUE_FLAGS_* */
+#define LASHLOOP_KIND_NAMES 251 /* as parameter of DescribeChoice: LASHLOOP_*_KIND */
 #define LASHLOOP_CRC_LEN 4 /* bytes, little endian, after the body */
 #define LASHLOOP_STATUS_STATE_MASK 15 /* bits of a status byte that hold the state */
 #define LASHLOOP_CRC_POLYNOMIAL 0x1edc6f41u /* CRC-32/ISCSI, over the body */
@@ -40,13 +45,6 @@
 #define LASHLOOP_CRC_INIT 0xffffffffu /* register before the first byte */
 #define LASHLOOP_CRC_XOROUT 0xffffffffu /* exclusive or after the last byte */
 #define LASHLOOP_CRC_CHECK 0xe3069283u /* CRC of the nine bytes "123456789" */
-
-/* Parameters of DescribeChoice that stand for a list; the choice is a value of */
-#define LASHLOOP_FAULT_NAMES 255 /* enum lashloop_fault_code */
-#define LASHLOOP_OUTCOME_NAMES 254 /* enum lashloop_outcome */
-#define LASHLOOP_STATE_NAMES 253 /* enum lashloop_state */
-#define LASHLOOP_FLAG_NAMES 252 /* LASHLOOP_TORQUE_FLAGS_* */
-#define LASHLOOP_KIND_NAMES 251 /* LASHLOOP_*_KIND, those of the host and of the drive */
 
 /* Names of parameters with the same meaning in every drive */
 #define LASHLOOP_PARAMETER_CONTROLLER "controller"

@@ -124,6 +124,11 @@ fn limits(header: &mut String) -> Result<()> {
         ("MAX_SIGNALS", MAX_SIGNALS.to_string(), "most signals of a drive"),
         ("MAX_PARAMETERS", MAX_PARAMETERS.to_string(), "most parameters of a drive"),
         ("MAX_TELEMETRY_VALUES", MAX_TELEMETRY_VALUES.to_string(), "most values of one telemetry message"),
+        ("FAULT_NAMES", FAULT_NAMES.to_string(), "as parameter of DescribeChoice: enum lashloop_fault_code"),
+        ("OUTCOME_NAMES", OUTCOME_NAMES.to_string(), "as parameter of DescribeChoice: enum lashloop_outcome"),
+        ("STATE_NAMES", STATE_NAMES.to_string(), "as parameter of DescribeChoice: enum lashloop_state"),
+        ("FLAG_NAMES", FLAG_NAMES.to_string(), "as parameter of DescribeChoice: LASHLOOP_TORQUE_FLAGS_*"),
+        ("KIND_NAMES", KIND_NAMES.to_string(), "as parameter of DescribeChoice: LASHLOOP_*_KIND"),
         ("CRC_LEN", CRC_LEN.to_string(), "bytes, little endian, after the body"),
         (
             "STATUS_STATE_MASK",
@@ -139,17 +144,6 @@ fn limits(header: &mut String) -> Result<()> {
     header.push('\n');
     for (name, limit, meaning) in limits {
         writeln!(header, "#define LASHLOOP_{name} {limit} /* {meaning} */")?;
-    }
-    header.push_str("\n/* Parameters of DescribeChoice that stand for a list; the choice is a value of */\n");
-    let lists = [
-        ("FAULT", FAULT_NAMES, "enum lashloop_fault_code"),
-        ("OUTCOME", OUTCOME_NAMES, "enum lashloop_outcome"),
-        ("STATE", STATE_NAMES, "enum lashloop_state"),
-        ("FLAG", FLAG_NAMES, "LASHLOOP_TORQUE_FLAGS_*"),
-        ("KIND", KIND_NAMES, "LASHLOOP_*_KIND, those of the host and of the drive"),
-    ];
-    for (name, parameter, values) in lists {
-        writeln!(header, "#define LASHLOOP_{name}_NAMES {parameter} /* {values} */")?;
     }
     header.push_str("\n/* Names of parameters with the same meaning in every drive */\n");
     for name in parameter_names::RESERVED {

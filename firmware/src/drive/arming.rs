@@ -39,7 +39,11 @@ impl<L: LawSet> Drive<L> {
         if self.subscription.has_rate() {
             self.subscription.check(self.parameters.law(), L::SIGNALS)?;
         }
-        let control = self.control().map_err(|error| Parameters::<L>::inconsistent(&error))?;
+        // Not by `map_err`, which moves the law once more.
+        let control = match self.control() {
+            Ok(control) => control,
+            Err(error) => return Err(Parameters::<L>::inconsistent(&error)),
+        };
         self.check_pins()?;
         self.lifecycle = Lifecycle::Armed { session, control };
         Ok(())

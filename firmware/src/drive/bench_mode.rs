@@ -37,11 +37,7 @@ impl<L: LawSet> Drive<L> {
             self.last_sequence = sample.sequence;
         }
         // Before the report of the step, whose torque is zero.
-        let fault = fault.map(|violation| {
-            // Not `due`: an answer may have been sent since.
-            self.output.note_time(clock.now());
-            self.latch(violation)
-        });
+        let fault = fault.map(|violation| self.latch(violation, clock.now()));
         // A report of a step never displaces an answer or a fault report.
         if let Some(sample) = sample
             && self.output.fits_an_answer()
@@ -65,8 +61,7 @@ impl<L: LawSet> Drive<L> {
     pub fn miss_tick(&mut self, now: Duration) {
         let Some(pins) = self.lifecycle.run().and_then(Run::pins) else { return };
         let violation = pins.overdue(now);
-        self.output.note_time(now);
-        let fault = self.latch(violation);
+        let fault = self.latch(violation, now);
         self.output.send_later(fault);
     }
 
@@ -94,7 +89,7 @@ impl<L: LawSet> Drive<L> {
     /// Takes a reference of the host. Only one that is refused is answered.
     pub(super) fn take_reference(&mut self, reference: &Reference, arrived: Duration) {
         // As a late sample: refused, then the fault that it revealed.
-        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation));
+        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation, arrived));
         let taken = match &mut self.lifecycle {
             Lifecycle::Running { run, .. } => run.take_reference(*reference, arrived),
             Lifecycle::Boot

@@ -111,9 +111,8 @@ impl<L: LawSet> Drive<L> {
 
     /// Checks the watchdog at device time `now`; in bench mode the ticks too.
     pub fn tick(&mut self, now: Duration) {
-        self.output.note_time(now);
         if let Err(violation) = self.lifecycle.check_time(now) {
-            let fault = self.latch(violation);
+            let fault = self.latch(violation, now);
             self.output.send_later(fault);
         }
     }
@@ -184,7 +183,9 @@ impl<L: LawSet> Drive<L> {
                 return self.output.send(self.parameters.get(request.index, state));
             }
             HostMessage::SetParameter(request) => {
-                let report = self.parameters.set(request, state, self.lifecycle.control());
+                let control = self.lifecycle.control();
+                let update = control.map(|control| |words: &L::Words| control.update(words));
+                let report = self.parameters.set(request, state, update);
                 return self.output.send(report);
             }
             HostMessage::DescribeLaw(request) => {
@@ -214,7 +215,7 @@ impl<L: LawSet> Drive<L> {
             }
             HostMessage::EmergencyStop(_) => {
                 let code = FaultCode::EmergencyStop;
-                let fault = self.latch(Violation::of(code));
+                let fault = self.latch(Violation::of(code), arrived);
                 self.output.send(fault);
                 (message::EmergencyStop::LAYOUT.kind, Ok(()))
             }
@@ -278,7 +279,7 @@ impl<L: LawSet> Drive<L> {
     fn answer_sample(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) {
         // A sample after the watchdog's deadline is too late, even if `tick` was not called in between. Its torque
         // precedes the fault report.
-        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation));
+        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation, arrived));
         match &mut self.lifecycle {
             Lifecycle::Boot => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
             Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
@@ -299,7 +300,7 @@ impl<L: LawSet> Drive<L> {
                 Reply::OfPins => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
-                    let fault = self.latch(violation);
+                    let fault = self.latch(violation, arrived);
                     self.send_zero_torque(sample.sequence, flags, arrived, clock);
                     self.output.send(fault);
                 }
@@ -310,8 +311,12 @@ impl<L: LawSet> Drive<L> {
         }
     }
 
-    /// The torque is zero from here on; the caller sends the report after the answer that is due.
-    pub(super) fn latch(&mut self, violation: Violation) -> FaultReport {
+    /// The torque is zero from here on; the caller sends the report after the answer that is due. `now` is not the due time of a
+    /// step: an answer may have been sent since.
+    // Never inlined: a fault costs the image its code once.
+    #[inline(never)]
+    pub(super) fn latch(&mut self, violation: Violation, now: Duration) -> FaultReport {
+        self.output.note_time(now);
         let Violation { code, value, limit, detail } = violation;
         let sequence = self.last_sequence;
         let report = FaultReport { code, sequence, value, limit, detail, device_time_us: None };

@@ -8,7 +8,6 @@ use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{ChoiceDescription, ParameterDescription, ParameterReport, SetParameter};
 use lashloop_protocol::text::Text;
 
-use super::control_loop::ControlLoop;
 use super::lists;
 use super::pin_parameters::{PinParameters, SampleSource};
 use super::refusal::Refusal;
@@ -92,15 +91,15 @@ impl<L: LawSet> Parameters<L> {
         self.report(index, Ok(()), state)
     }
 
-    /// Sets a value. The report carries the value in force, whether it was set or not. An armed or running drive has a
-    /// `control`.
+    /// Sets a value. The report carries the value in force, whether it was set or not. An armed or running drive has an `update`
+    /// that hands the words to the law, and fails if they don't go together.
     pub(super) fn set(
         &mut self,
         request: &SetParameter,
         state: State,
-        control: Option<&mut ControlLoop<L>>,
+        update: Option<impl FnOnce(&L::Words) -> Result<(), ParameterError>>,
     ) -> ParameterReport {
-        let result = self.put(request, state, control);
+        let result = self.put(request, state, update);
         self.report(request.index, result, state)
     }
 
@@ -136,16 +135,16 @@ impl<L: LawSet> Parameters<L> {
         &mut self,
         request: &SetParameter,
         state: State,
-        control: Option<&mut ControlLoop<L>>,
+        update: Option<impl FnOnce(&L::Words) -> Result<(), ParameterError>>,
     ) -> Result<(), Refusal> {
         let (parameter, before) = self.entry(request.index).ok_or(Outcome::UnknownIndex)?;
-        let may_be_set = state == State::Idle || parameter.live && control.is_some();
+        let may_be_set = state == State::Idle || parameter.live && update.is_some();
         if !may_be_set {
             return Err(Outcome::WrongState.into());
         }
         self.write(request.index, parameter.range.word(request.value)?);
-        if let Some(control) = control
-            && let Err(error) = control.update(&self.words)
+        if let Some(update) = update
+            && let Err(error) = update(&self.words)
         {
             self.write(request.index, before);
             return Err(Self::inconsistent(&error));

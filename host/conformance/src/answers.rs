@@ -2,12 +2,13 @@
 
 use lashloop_protocol::enums::{FaultCode, Outcome};
 use lashloop_protocol::layout::MessageLayout;
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     CommandResult, EncoderSample, FaultReport, Hello, Identity, LineReport, ParameterReport, Telemetry,
     TorqueAnswer,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
 
 use super::assertion::{Failure, find};
 
@@ -80,4 +81,18 @@ pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterRep
         DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
         _ => None,
     })
+}
+
+/// Clears what differs between two equal answers: times, counts and signals.
+pub(super) fn forget_time(answer: &mut DriveMessage) {
+    match answer {
+        DriveMessage::TorqueAnswer(it) => it.compute_tenths_us = 0,
+        // Equal samples need not have equal signals.
+        DriveMessage::Telemetry(it) => {
+            let zeros = [0.0; MAX_TELEMETRY_VALUES];
+            it.values = TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
+        }
+        DriveMessage::LineReport(it) => *it = counted(0, 0, 0),
+        _ => {}
+    }
 }

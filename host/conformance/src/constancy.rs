@@ -3,16 +3,14 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, LineReport, Reset, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-use lashloop_protocol::{DriveMessage, HostMessage, Message, TelemetryValues};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
-use super::answers::other;
-use super::answers::{counted, fault, hello, line_report, sample};
+use super::answers::{counted, fault, forget_time, hello, line_report, other, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, names};
 use super::check::{Check, check};
 use super::client::Client;
@@ -218,8 +216,10 @@ impl Constancy {
             *count += frames.len() as u32;
             client.send_bytes(&frames.concat())?;
         }
-        self.unknown.exchange(client, self.state)?;
-        self.counts.messages += self.unknown.count + 1;
+        for _ in 0..client.repetitions(2) {
+            self.unknown.exchange(client, self.state)?;
+            self.counts.messages += self.unknown.count + 1;
+        }
         let answers = self.send(client, &[GetParameter { index: 0 }.into()])?;
         equal("answers after damaged and refused frames", vec!["ParameterReport"], names(&answers))
     }
@@ -268,20 +268,6 @@ impl Constancy {
             equal(&format!("{when}, in a new run, answers to sample {sequence}"), kinds, names(&answers))?;
         }
         Ok(())
-    }
-}
-
-/// Clears what differs between two equal answers: times, counts and signals.
-pub(super) fn forget_time(answer: &mut DriveMessage) {
-    match answer {
-        DriveMessage::TorqueAnswer(it) => it.compute_tenths_us = 0,
-        // Equal samples need not have equal signals.
-        DriveMessage::Telemetry(it) => {
-            let zeros = [0.0; MAX_TELEMETRY_VALUES];
-            it.values = TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
-        }
-        DriveMessage::LineReport(it) => *it = counted(0, 0, 0),
-        _ => {}
     }
 }
 

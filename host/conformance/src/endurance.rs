@@ -79,8 +79,6 @@ fn pace(client: &mut Client) -> RuleResult {
     let passed = Duration::from_micros(last_us.wrapping_sub(first_us).into());
     let most = latest.saturating_duration_since(before).mul_f64(1.0 + TOLERANCE) + TICK;
     let least = later.saturating_duration_since(after).mul_f64(1.0 - MISSING).saturating_sub(TICK);
-    client.note =
-        format!("{} us in {} us", passed.as_micros(), later.saturating_duration_since(after).as_micros());
     expect(
         (least..=most).contains(&passed),
         format!("between two reads {} to {} us of device time", least.as_micros(), most.as_micros()),

@@ -85,12 +85,7 @@ pub(super) fn refused<Request: Payload + Into<HostMessage>>(
 }
 
 /// The report of a parameter without a detail.
-pub(super) const fn reported(
-    index: u8,
-    outcome: Outcome,
-    value: ParameterValue,
-    state: State,
-) -> ParameterReport {
+pub(super) fn reported(index: u8, outcome: Outcome, value: ParameterValue, state: State) -> ParameterReport {
     ParameterReport { index, outcome, value, state, detail: 0, device_time_us: None }
 }
 

@@ -9,11 +9,11 @@ use lashloop_protocol::message::{
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
-use super::answers::{fault, hello, identity, latched, line_report, sample, torque};
+use super::answers::{fault, forget_time, hello, identity, latched, line_report, sample, torque};
 use super::assertion::{RuleResult, broken, equal, names};
 use super::check::{Check, check};
 use super::client::Client;
-use super::constancy::{COPIES, forget_time, unknown_indices};
+use super::constancy::{COPIES, unknown_indices};
 use super::exchanges::{reads, result, sets};
 use super::receiver;
 use super::telemetry::subscription::{law_signals, signals};

@@ -16,7 +16,7 @@ pub(super) fn next_write(bytes: &[u8], is_alone: bool) -> usize {
             frame += 1;
             continue;
         }
-        // Fewer bytes are no request. One alone ends with any delimiter, as that may end what was sent before.
+        // Fewer bytes aren't a request. One alone ends with any delimiter, as that may end what was sent before.
         requests += usize::from(frame >= shortest);
         (frame, end) = (0, Some(place + 1));
         if requests == most {

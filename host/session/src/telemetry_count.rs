@@ -14,7 +14,7 @@ pub struct TelemetryCount {
     pub due: u64,
     /// Good ones.
     pub received: u64,
-    /// Whole frames that are no telemetry of this protocol.
+    /// Whole frames of this kind that the decoder has refused.
     pub refused: u64,
 }
 

@@ -63,6 +63,14 @@ const fn in_boot_or_faulted(mutant: &Mutant) -> bool {
     matches!(mutant.when, When::In(State::Boot | State::Faulted))
 }
 
+fn always_by_one(mutant: &Mutant) -> bool {
+    by_one(mutant) && mutant.when == When::Always
+}
+
+fn earlier(mutant: &Mutant) -> bool {
+    mutant.operator == Operator::Add(-1.0)
+}
+
 /// Slightly wrong, as a clock may be.
 fn slightly(mutant: &Mutant) -> bool {
     by_one(mutant) || mutant.operator == Operator::Scale(2.0)
@@ -78,6 +86,7 @@ const FREE_TEXT: &str = "other names, units and texts are allowed";
 const OWN_LAW: &str = "what a law makes of its parameters is the drive's own";
 const UNUSED: &str = "the field is not used in this state";
 const REFUSED_FIRST: &str = "the state is checked before";
+const CLOCK_US: &str = "a microsecond, where no other message has the same device time";
 const CLOCK: &str = "the difference is below a millisecond of the drive's clock";
 
 /// Mutants that keep every rule of the page.
@@ -89,12 +98,16 @@ pub const EQUIVALENT: &[Set] = &[
         "1 is allowed, and any other byte reads as 1",
     ),
     set(("Identity", "board"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
-    set(("Log", "level"), |it| it.operator != Operator::To(0), "the severity is the drive's own"),
-    set(("Log", "text"), |it| it.operator == Operator::Altered, FREE_TEXT),
+    set(("Hello", "minor_version"), all, "the minor version of a host changes nothing"),
+    set(("Identity", "minor_version"), always_by_one, "the minor version of a drive is its own"),
+    set(("Identity", "device_time_us"), earlier, CLOCK_US),
+    set(("LineReport", "device_time_us"), earlier, CLOCK_US),
+    set(("ParameterReport", "device_time_us"), by_one, CLOCK_US),
+    set(("CommandResult", "device_time_us"), |it| it.operator == Operator::Add(1.0), CLOCK_US),
     set(
-        ("Log", "times sent, or 3 for behind the next"),
-        |it| it.operator == Operator::Next,
-        "a log may be sent at any time",
+        ("SetParameter", "refused for another value"),
+        |it| matches!(it.operator, Operator::To(0) | Operator::Previous),
+        "which values contradict each other is the drive's own",
     ),
     set(
         ("ParameterDescription", "unit"),
@@ -104,7 +117,7 @@ pub const EQUIVALENT: &[Set] = &[
     set(("SignalDescription", "unit"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
     set(
         ("SignalDescription", "name"),
-        |it| matches!((it.operator, it.when), (Operator::Shortened, When::Always)),
+        |it| matches!((it.operator, it.when), (Operator::Shortened | Operator::Altered, When::Always)),
         FREE_TEXT,
     ),
     set(
@@ -192,15 +205,19 @@ const fn scaled(mutant: &Mutant) -> bool {
 
 const LATE: &str = "it shows after eight repetitions in one check, which cost time on a slow line";
 const AT_FIRST: &str = "it shows at the first time after a reset alone";
+const FIRST_BEYOND: &str = "the torques compared are those of the first sample beyond the bound";
 const BY_ONE: &str = "the bound is tested to more than one count or microsecond";
 
 /// Mutants that break a rule and are not found.
 pub const NOT_FOUND: &[Set] = &[
     set(("stray sample", "keeps the stored answer"), late, LATE),
+    set(("position beyond 2^25", ""), not_at_first, FIRST_BEYOND),
+    set(("position beyond 2^26", ""), not_at_first, FIRST_BEYOND),
+    set(("position in single precision", ""), at_first, AT_FIRST),
     set(
-        ("position beyond 2^25", ""),
-        |it| it.when == When::Later,
-        "the torques compared are those of the first sample beyond the bound",
+        ("ParameterReport", "detail"),
+        |it| matches!(it.operator, Operator::Zero | Operator::Scale(_)),
+        "which parameter does not go with the others is the drive's own",
     ),
     set(("torque after a gap", "is that of its own step"), late, LATE),
     set(("watchdog", "runs on in Armed after a run"), at_first, AT_FIRST),
@@ -219,24 +236,20 @@ pub const NOT_FOUND: &[Set] = &[
     set(("effect of a parameter", "load_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),
     set(("effect of a parameter", "motor_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),
     set(("effect of a parameter", "watchdog_us"), by_one, BY_ONE),
-    set(
-        ("effect of a parameter", "gain_nm_rad"),
-        |it| it.operator == Operator::Previous,
-        "a live value one step late",
-    ),
     set(("longest gap", "motor"), late, BY_ONE),
     set(("longest gap", "load"), late, BY_ONE),
-    set(("motor jump", "counts forgiven"), not_at_first, BY_ONE),
-    set(("load jump", "counts forgiven"), not_at_first, BY_ONE),
+    set(("motor jump", "counts forgiven"), |it| late(it) || at_first(it), BY_ONE),
+    set(("load jump", "counts forgiven"), |it| late(it) || at_first(it), BY_ONE),
     set(("motor jump", "backwards too"), late, LATE),
     set(("load jump", "backwards too"), late, LATE),
+    set(("load jump", "the first sample has no speed"), late, LATE),
+    set(("motor jump", "the first sample has no speed"), late, LATE),
     set(("Start resets", "the watchdog"), late, LATE),
     set(("Start resets", "the encoders"), late, LATE),
     set(("ClearFault", "forgets the fault"), late, LATE),
     set(("sequence", "is modulo 2^16"), late, LATE),
     set(("receiver", "a pause ends a frame"), at_first, AT_FIRST),
     set(("receiver", "longest frame"), at_first, AT_FIRST),
-    set(("watchdog", "is fed by an accepted sample"), at_first, AT_FIRST),
     set(("feeds the watchdog", "GetParameter"), at_first, AT_FIRST),
     set(
         ("feeds the watchdog", "ClearFault"),

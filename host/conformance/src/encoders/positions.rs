@@ -26,6 +26,8 @@ const CREEP: i64 = 3;
 const WITH_MEMORY: &str = "not run: the torque of the law in force depends on the way to a position";
 /// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
 const SAME_TORQUE: f32 = 0.05;
+/// Of two torques at rest at the same position.
+const SAME_PLACE: f32 = 1e-3;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -147,9 +149,8 @@ fn creeping(client: &mut Client) -> RuleResult {
     if wanted_nm.to_bits() != detoured_nm.to_bits() {
         return skip(WITH_MEMORY);
     }
-    let is_near = (crept_nm - wanted_nm).abs() <= SAME_TORQUE * crept_nm.abs().max(wanted_nm.abs());
-    let expected =
-        format!("at {end} counts, with the last {CREEPS} samples 3 counts apart, {wanted_nm} N m to 5 %");
+    let is_near = (crept_nm - wanted_nm).abs() <= SAME_PLACE * crept_nm.abs().max(wanted_nm.abs());
+    let expected = format!("at {end} counts, with the last {CREEPS} samples 3 counts apart, {wanted_nm} N m");
     expect(is_near, expected, format!("{crept_nm} N m"))
 }
 

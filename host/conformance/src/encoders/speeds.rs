@@ -2,7 +2,6 @@
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{State, TorqueFlags};
-use lashloop_protocol::message::EncoderSample;
 
 use super::encoder::{Encoder, placed};
 use super::setup::{ROUNDING, Scale, Setup};
@@ -113,9 +112,12 @@ fn jump(client: &mut Client, setup: &Setup, encoder: Encoder, jump: Jump) -> Rul
     let counts = scale.fewest_counts(periods)?;
     client.reset()?;
     setup.start(client)?;
-    let from: EncoderSample = placed(encoder, 0, start);
-    accepted(client, from, TorqueFlags::empty())?;
-    let answers = client.request(placed(encoder, periods, start + sign * counts))?;
+    // Two slow steps, and then the jump.
+    for (sequence, from) in [(0, start), (1, start + sign), (2, start)] {
+        accepted(client, placed(encoder, sequence, from), TorqueFlags::empty())?;
+    }
+    let sequence = 2 + periods;
+    let answers = client.request(placed(encoder, sequence, start + sign * counts))?;
     let it = fault_answer_with(&answers, encoder.jump_fault, gap_flag(periods))?;
     let what = format!("{} from {start} by {} counts in {periods} periods", encoder.name, sign * counts);
     let limit_rad_s = scale.speed_limit_rad_s;
@@ -124,6 +126,6 @@ fn jump(client: &mut Client, setup: &Setup, encoder: Encoder, jump: Jump) -> Rul
     let near = (f64::from(it.value) - speed_rad_s).abs() <= 2.0 * ROUNDING * speed_rad_s;
     expect(near, format!("{what}: the least speed, {speed_rad_s} rad/s"), it.value)?;
     still_reported(client, it)?;
-    no_torque(client, periods, State::Faulted)?;
-    no_torque(client, periods + 1, State::Faulted)
+    no_torque(client, sequence, State::Faulted)?;
+    no_torque(client, sequence + 1, State::Faulted)
 }

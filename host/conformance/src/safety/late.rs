@@ -7,7 +7,7 @@ use lashloop_protocol::enums::{FaultCode, State, TorqueFlags};
 use super::super::answers::{sample, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::super::client::Client;
-use super::watchdog::{CLOCK_TOLERANCE, LONGEST_ATTEMPT, QUICK, fault_report, start_with, too_busy};
+use super::timing::{CLOCK_TOLERANCE, LONGEST_ATTEMPT, QUICK, fault_report, start_with, too_busy};
 
 /// A watchdog for samples that come late.
 const SHORT: Duration = Duration::from_millis(20);
@@ -29,12 +29,7 @@ pub(super) fn late_samples(client: &mut Client) -> RuleResult {
         match ended {
             Late::Answered => {}
             Late::Untimely => return Err(too_busy()),
-            Late::Running => {
-                return Err(broken(
-                    format!("for the late sample {late} a FaultReport"),
-                    "an answer in Running",
-                ));
-            }
+            Late::Running => return Err(broken("a FaultReport for a late sample", "an answer in Running")),
             Late::After => return Err(broken("the TorqueAnswer of a late sample first", "the FaultReport")),
         }
     }

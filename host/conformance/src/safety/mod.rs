@@ -3,6 +3,7 @@
 mod faults;
 mod late;
 mod limits;
+mod timing;
 mod watchdog;
 
 use super::check::Check;

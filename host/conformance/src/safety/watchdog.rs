@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EnterLoader,
@@ -23,8 +23,10 @@ use super::super::receiver::framed;
 use super::super::words::Words;
 use super::faults::stays_latched;
 use super::late;
+use super::timing::{
+    CLOCK_TOLERANCE, LONGEST_ATTEMPT, NAME, QUICK, fault_report, micros, start_with, too_busy,
+};
 
-const NAME: &str = "watchdog_us";
 /// Watchdog of most of these checks: short for a quick check, long enough for the first sample of a busy bench.
 const WATCHDOG: Duration = Duration::from_millis(100);
 /// A watchdog much longer than [`LATEST`], so that a drive that waits twice as long is late.
@@ -39,14 +41,8 @@ const TRANSPORT: Duration = Duration::from_millis(100);
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two frames that must not feed the watchdog.
 const INTERVAL: Duration = Duration::from_millis(1);
-/// Tolerated error of the drive's clock, as a fraction.
-pub(super) const CLOCK_TOLERANCE: f64 = 0.1;
-/// Samples in quick succession before those whose time counts.
-pub(super) const QUICK: u16 = 10;
 /// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
 const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
-/// Last attempt with samples at a time, from 0.
-pub(super) const LONGEST_ATTEMPT: u32 = 4;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -114,32 +110,12 @@ fn in_time(Check { rules, name, run }: Check) -> Check {
     })
 }
 
-fn micros(time: Duration) -> ParameterValue {
-    ParameterValue::U32(time.as_micros() as u32)
-}
-
-/// Starts a run with this watchdog and sends the first sample.
-pub(super) fn start_with(client: &mut Client, watchdog: Duration) -> RuleResult {
-    client.idle()?;
-    client.put(NAME, micros(watchdog))?;
-    client.arm()?;
-    client.start()?;
-    first_sample(client).map(drop)
-}
-
 /// Requires that time passes in `state` without a fault.
 fn stays(client: &mut Client, state: State) -> RuleResult {
     let news = client.wait_for(QUIET, fault_report)?;
     expect(news.is_none(), format!("no FaultReport in {state:?}"), news)?;
     client.request_bytes(&[])?;
     equal("state", state, client.state)
-}
-
-pub(super) fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
-    match message {
-        DriveMessage::FaultReport(it) => Some(*it),
-        _ => None,
-    }
 }
 
 /// A watchdog that has tripped.
@@ -265,10 +241,6 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
         expect(longest >= least, expected, client.state)?;
     }
     Err(too_busy())
-}
-
-pub(super) fn too_busy() -> Failure {
-    Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() }
 }
 
 /// Bytes that do not feed the watchdog. The number counts the writes.

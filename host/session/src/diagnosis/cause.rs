@@ -142,7 +142,7 @@ impl Cause {
         }
     }
 
-    /// As [`Self::of`], if good frames have arrived that are no answer.
+    /// As [`Self::of`], if good frames have arrived and none is the answer.
     fn of_good_frames(arrivals: &Arrivals, is_connected: bool) -> Self {
         let good = arrivals.good_count();
         if good == arrivals.unsolicited() {

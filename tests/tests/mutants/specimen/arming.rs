@@ -92,9 +92,10 @@ impl Drive {
 
     pub(super) fn arm(&mut self, row: &'static str) {
         let state = cell(&self.at, row);
-        let checks_signals =
-            self.every != 0 || self.at.flag("Arm", "checks signals without telemetry", false);
-        let lacked = self.lacked(self.signals).filter(|_| checks_signals);
+        let is_idle = self.state() == State::Idle;
+        let lacked = self.lacked(self.signals).filter(|_| {
+            self.every != 0 || is_idle && self.at.flag("Arm", "checks signals without telemetry", false)
+        });
         let is_ambiguous = refused(state).is_none() && longest_gap(&self.at, &self.values) == 0;
         let is_too_stiff = is_too_stiff(&self.values);
         let refusal = self.refusal(

@@ -64,7 +64,7 @@ impl Drive {
         let layout = known().find(|it| it.kind == kind);
         self.number = if has_number(kind) { body.get(1).copied().unwrap_or(0) } else { 0 };
         if layout.is_none() && (1..0x80).contains(&kind) {
-            let is_known = self.at.flag("receiver", "an unknown kind is no refused one", true);
+            let is_known = self.at.flag("receiver", "an unknown kind counts apart from refused ones", true);
             return if is_known { Incoming::Unknown(kind) } else { Incoming::Refused };
         }
         // A mistaken drive looks at the low bits of a kind alone.
