@@ -127,9 +127,8 @@ impl Client {
             return Ok(());
         }
         let took_s = self.describing.as_secs_f32();
-        Err(Failure::NotJudged {
-            cause: format!("description read in {took_s:.1} s, too slow for this check"),
-        })
+        let cause = format!("description read in {took_s:.1} s, too slow for this check");
+        Err(Failure::NotJudged { cause })
     }
 
     /// Lets late answers to earlier requests pass: all have arrived when a read is answered. Returns whether the end of an

@@ -181,15 +181,15 @@ fn longer(client: &mut Client) -> RuleResult {
 }
 
 fn minor(client: &mut Client) -> RuleResult {
-    let own = client.identity.minor_version;
     for minor_version in [0, MINOR_VERSION.wrapping_add(1), 1 << 7, u8::MAX] {
         client.reset()?;
         let answers = client.request(Hello { minor_version, ..hello(client.session) })?;
         let what = format!("to Hello of minor version {minor_version}");
         equal(&what, vec!["Identity"], names(&answers))?;
         let it = identity(&answers)?;
+        let wanted = (client.session, client.identity.minor_version, State::Idle);
         let got = (it.session, it.minor_version, it.state);
-        equal(&format!("{what}: session, minor version, state"), (client.session, own, State::Idle), got)?;
+        equal(&format!("{what}: session, minor version, state"), wanted, got)?;
         let answers = client.request(Hello { minor_version, ..of_version(0, client.session) })?;
         equal("to Hello of version 0", vec!["Identity", "CommandResult"], names(&answers))?;
     }

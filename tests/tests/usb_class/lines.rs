@@ -10,7 +10,7 @@ use lashloop_protocol::{HostMessage, Message};
 use tests::usb::bus::{Bus, BusEvent};
 
 use crate::host::Host;
-use crate::{TRANSFER, hello};
+use crate::{COMMAND_RESULT, TRANSFER, hello};
 
 /// A UART whose far end is the test, with a transmit buffer of some bytes.
 pub(crate) struct Uart {
@@ -130,7 +130,7 @@ fn output_that_a_line_has_not_sent_does_not_reach_the_other() {
     // The host of the port has requested, but reads nothing.
     host.send(&hello());
     let answered = by_uart(&mut host, &HostMessage::from(Reset {}).frame());
-    assert_eq!(answered.len(), 1 + 10, "a delimiter and one result: {answered:?}");
+    assert_eq!(answered.len(), 1 + COMMAND_RESULT, "a delimiter and one result: {answered:?}");
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn an_empty_packet_ends_output_of_whole_packets() {
 
 #[test]
 fn output_waits_in_packets_of_64_bytes() {
-    let mut host = with_output(100);
+    let mut host = with_output(5 * COMMAND_RESULT);
     let output = host.drive.output().to_vec();
     assert_eq!(host.receive(PACKET_BYTES).as_deref(), Some(&output[..PACKET_BYTES]));
     assert_eq!(host.receive(PACKET_BYTES).as_deref(), Some(&output[PACKET_BYTES..]));
@@ -76,7 +76,7 @@ fn the_drive_answers_as_on_any_other_line() {
 
 #[test]
 fn output_of_a_closed_port_is_discarded() {
-    let mut host = with_output(50);
+    let mut host = with_output(3 * COMMAND_RESULT);
     host.set_dtr(false);
     assert_eq!(host.port.host_side(), HostSide::Closed);
     assert_eq!(host.drive.output(), [0; 0]);
@@ -96,7 +96,7 @@ fn bytes_sent_just_ahead_of_closing_are_served() {
 
 #[test]
 fn a_suspended_bus_discards_output_and_resumes_open() {
-    let mut host = with_output(50);
+    let mut host = with_output(3 * COMMAND_RESULT);
     host.signal(BusEvent::Suspend);
     assert_eq!(host.port.host_side(), HostSide::Suspended);
     assert_eq!(host.drive.output(), [0; 0]);

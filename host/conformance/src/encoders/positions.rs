@@ -86,6 +86,9 @@ pub(super) fn checks() -> Vec<Check> {
     ]
 }
 
+/// Sequences and counts.
+type Path = Vec<(u16, i64)>;
+
 /// Travels with each encoder from `start` to the counts around `end`, and the same with the opposite sign.
 fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
     Encoder::BOTH.into_iter().try_for_each(|encoder| {
@@ -106,11 +109,7 @@ fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
 fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
     let end = HALF / 2;
     let direct = held(path(client, 1, 0, end)?);
-    let mut detour = path(client, 1, 0, end + end / 2)?;
-    let arrived = detour.last().map_or(0, |it| it.0);
-    let back = path(client, 1, end + end / 2, end)?;
-    detour
-        .extend(back.into_iter().skip(1).map(|(sequence, counts)| (arrived.wrapping_add(sequence), counts)));
+    let detour = detour(client, &Setup::fast(client)?, 0, end)?;
     let [earlier_nm, moved_nm] = at_the_end(client, encoder, &direct)?;
     let detoured_nm = at_the_end(client, encoder, &held(detour))?[1];
     if [earlier_nm, detoured_nm].iter().any(|torque_nm| torque_nm.to_bits() != moved_nm.to_bits()) {
@@ -131,20 +130,16 @@ fn creeping(client: &mut Client) -> RuleResult {
     if client.repetitions(CREEPS.into()) < CREEPS.into() {
         return skip("not judged: this line is too slow");
     }
-    let direct = Setup::of_one_resolution(client)?;
+    let setup = Setup::of_one_resolution(client)?;
     let (far, end) = (8 * HALF, 8 * HALF + CREEP * i64::from(CREEPS));
-    let reference_rad = direct.angle_rad(end) as f32 - 1.0;
-    let moves = |client: &Client, start, end| path_of(client, &direct, 1, start, end);
-    let mut crept = moves(client, HALF / 2, far)?;
+    let reference_rad = setup.angle_rad(end) as f32 - 1.0;
+    let direct = path_of(client, &setup, 1, HALF / 2, end)?;
+    let detour = detour(client, &setup, HALF / 2, end)?;
+    let mut crept = path_of(client, &setup, 1, HALF / 2, far)?;
     let arrived = crept.last().map_or(0, |it| it.0);
     crept.extend((1..=CREEPS).map(|step| (arrived.wrapping_add(step), far + CREEP * i64::from(step))));
-    let mut detour = moves(client, HALF / 2, end + HALF / 2)?;
-    let turned = detour.last().map_or(0, |it| it.0);
-    let back = moves(client, end + HALF / 2, end)?;
-    detour.extend(back.into_iter().skip(1).map(|(step, counts)| (turned.wrapping_add(step), counts)));
-    let direct_path = moves(client, HALF / 2, end)?;
     let [wanted_nm, detoured_nm, crept_nm] =
-        [direct_path, detour, crept].map(|path| at_rest(client, &direct, path, reference_rad));
+        [direct, detour, crept].map(|path| at_rest(client, &setup, path, reference_rad));
     let (wanted_nm, detoured_nm, crept_nm) = (wanted_nm?, detoured_nm?, crept_nm?);
     if wanted_nm.to_bits() != detoured_nm.to_bits() {
         return skip(WITH_MEMORY);
@@ -155,12 +150,7 @@ fn creeping(client: &mut Client) -> RuleResult {
 }
 
 /// The torque at the end of a path of both encoders, once its velocities have decayed.
-fn at_rest(
-    client: &mut Client,
-    setup: &Setup,
-    mut path: Vec<(u16, i64)>,
-    reference_rad: f32,
-) -> Result<f32, Failure> {
+fn at_rest(client: &mut Client, setup: &Setup, mut path: Path, reference_rad: f32) -> Result<f32, Failure> {
     client.reset()?;
     setup.start(client)?;
     if let Some(&(sequence, counts)) = path.last() {
@@ -178,19 +168,23 @@ fn at_rest(
     Ok(torque_nm)
 }
 
+/// A path from `start` beyond `end`, and back to it.
+fn detour(client: &Client, setup: &Setup, start: i64, end: i64) -> Result<Path, Failure> {
+    let turn = end + HALF / 4;
+    let mut path = path_of(client, setup, 1, start, turn)?;
+    let arrived = path.last().map_or(0, |it| it.0);
+    let back = path_of(client, setup, 1, turn, end)?;
+    path.extend(back.into_iter().skip(1).map(|(step, counts)| (arrived.wrapping_add(step), counts)));
+    Ok(path)
+}
+
 /// A path from `start` up to `end` in the gaps of the drive, with both counts times `sign`.
-fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i64)>, Failure> {
+fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Path, Failure> {
     path_of(client, &Setup::fast(client)?, sign, start, end)
 }
 
 /// As [`path`], with these settings.
-fn path_of(
-    client: &Client,
-    setup: &Setup,
-    sign: i64,
-    start: i64,
-    end: i64,
-) -> Result<Vec<(u16, i64)>, Failure> {
+fn path_of(client: &Client, setup: &Setup, sign: i64, start: i64, end: i64) -> Result<Path, Failure> {
     setup.allowed(client)?;
     let gap = setup.longest_gap();
     // Half the speed limit of the slower encoder.
@@ -207,7 +201,7 @@ fn path_of(
 }
 
 /// A path, and rest at its end until the velocities of the motion have decayed.
-fn held(mut path: Vec<(u16, i64)>) -> Vec<(u16, i64)> {
+fn held(mut path: Path) -> Path {
     if let Some(&(sequence, counts)) = path.last() {
         path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
     }
