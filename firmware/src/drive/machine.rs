@@ -93,10 +93,14 @@ impl<L: LawSet> Drive<L> {
         }
         let mut rest = bytes;
         match self.decoder.next::<HostMessage>(&mut rest) {
+            // Its time counts from here, so nothing of a request is done before.
+            Some(Ok(Numbered { message: HostMessage::EncoderSample(sample), .. })) => {
+                self.answer_sample(&sample, clock);
+            }
             Some(Ok(Numbered { number, message })) => {
                 let arrived = clock.now();
                 self.output.begin_answer(number, arrived);
-                self.handle(&message, arrived, clock);
+                self.handle(&message, arrived);
             }
             // A request that a newer minor version added. What a host sends in every period gets no answer.
             Some(Err(FrameError::Body(BodyError::UnknownKind { kind, number }))) if has_number(kind) => {
@@ -170,10 +174,11 @@ impl<L: LawSet> Drive<L> {
         self.line_counts.add_overruns(count);
     }
 
-    fn handle(&mut self, message: &HostMessage, arrived: Duration, clock: &impl Clock) {
+    /// Answers any request but a sample.
+    fn handle(&mut self, message: &HostMessage, arrived: Duration) {
         let state = self.state();
         let (request, result) = match message {
-            HostMessage::EncoderSample(sample) => return self.answer_sample(sample, arrived, clock),
+            HostMessage::EncoderSample(_) => return,
             HostMessage::Reference(reference) => return self.take_reference(reference, arrived),
             HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
@@ -276,12 +281,13 @@ impl<L: LawSet> Drive<L> {
         self.last_sequence = 0;
     }
 
-    fn answer_sample(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) {
+    fn answer_sample(&mut self, sample: &EncoderSample, clock: &impl Clock) {
+        let arrived = clock.now();
         // A sample after the watchdog's deadline is too late, even if `tick` was not called in between. Its torque
         // precedes the fault report.
         let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation, arrived));
         match &mut self.lifecycle {
-            Lifecycle::Boot => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
+            Lifecycle::Boot => self.refuse_sample(Outcome::WrongState, arrived),
             Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
                 self.send_zero_torque(sample.sequence, TorqueFlags::empty(), arrived, clock);
             }
@@ -296,8 +302,8 @@ impl<L: LawSet> Drive<L> {
                     }
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
-                Reply::OutOfSequence => self.refuse(EncoderSample::LAYOUT.kind, Outcome::OutOfSequence),
-                Reply::OfPins => self.refuse(EncoderSample::LAYOUT.kind, Outcome::WrongState),
+                Reply::OutOfSequence => self.refuse_sample(Outcome::OutOfSequence, arrived),
+                Reply::OfPins => self.refuse_sample(Outcome::WrongState, arrived),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
                     let fault = self.latch(violation, arrived);
@@ -309,6 +315,11 @@ impl<L: LawSet> Drive<L> {
         if let Some(fault) = late {
             self.output.send(fault);
         }
+    }
+
+    fn refuse_sample(&mut self, outcome: Outcome, arrived: Duration) {
+        self.output.begin_answer(0, arrived);
+        self.refuse(EncoderSample::LAYOUT.kind, outcome);
     }
 
     /// The torque is zero from here on; the caller sends the report after the answer that is due. `now` is not the due time of a

@@ -90,15 +90,13 @@ impl Arrivals {
         while let Some(frame) = self.receiver.next::<HostMessage>(&mut bytes) {
             let request = match frame {
                 Ok(Numbered { number, message }) => {
-                    let mut request = Waiting::of(message.layout().kind, number);
+                    let request = Waiting::of(message.layout().kind, number);
+                    let is_of_other_version =
+                        matches!(message, HostMessage::Hello(it) if it.protocol_version != PROTOCOL_VERSION);
                     match message {
-                        HostMessage::EncoderSample(it) => request.sequence = Some(it.sequence),
-                        HostMessage::Hello(it) => {
-                            request.is_of_other_version = it.protocol_version != PROTOCOL_VERSION;
-                        }
-                        _ => {}
+                        HostMessage::EncoderSample(it) => Waiting { sequence: Some(it.sequence), ..request },
+                        _ => Waiting { is_of_other_version, ..request },
                     }
-                    request
                 }
                 Err(FrameError::Body(BodyError::UnknownKind { kind, number })) if has_number(kind) => {
                     Waiting::of(kind, number)

@@ -56,6 +56,8 @@ pub(super) struct Client {
     pub(super) note: String,
     /// The end of the time for the present check.
     time_up: TimeUp,
+    /// At the last look.
+    starvation: Starvation,
     /// When the first request was sent.
     pub(super) opened_at: Instant,
     /// Mean time of a request and its answer.
@@ -84,8 +86,8 @@ impl Client {
         let describing = line.now().saturating_duration_since(started);
         let exchange = describing / answers;
         let defects = defects.iter().map(ToString::to_string).collect();
-        let time_up =
-            TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starvation: Starvation::look(&mut line) };
+        let starvation = Starvation::look(&mut line);
+        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starvation };
         let arrivals = Arrivals::new(&identity);
         let (state, waited_until) = (identity.state, line.now());
         Ok(Self {
@@ -102,6 +104,7 @@ impl Client {
             state,
             note: String::new(),
             time_up,
+            starvation,
             opened_at,
             exchange,
             describing,
@@ -189,13 +192,19 @@ impl Client {
         let marker = self.frame(GetParameter { index: NO_PARAMETER });
         self.send_bytes(&[bytes, &*marker].concat())?;
         let requests = bytes.iter().filter(|byte| **byte == DELIMITER).count() as u32 + 1;
-        let sent_at = self.line.now();
+        let mut sent_at = self.line.now();
         let mut answers = Vec::new();
         while answers.len() < MOST_ANSWERS {
             // Each request of a burst has a time of its own; other messages extend none.
             let limit = REQUEST_LIMIT * (answers.len() as u32 + 1).min(requests);
             let rest = (sent_at + limit).saturating_duration_since(self.line.now());
-            let Some(message) = self.wait_for(rest, |message| Some(*message))? else { break };
+            let Some(message) = self.wait_for(rest, |message| Some(*message))? else {
+                if !self.has_starved() {
+                    break;
+                }
+                sent_at = self.line.now();
+                continue;
+            };
             if is_end(&message) {
                 let waited = self.line.now().saturating_duration_since(sent_at);
                 self.slowest = self.slowest.max(waited / requests);
@@ -294,8 +303,15 @@ impl Client {
         Ok(())
     }
 
+    /// Whether the drive's program has waited for a core for long since the last look, so that it isn't silent.
+    fn has_starved(&mut self) -> bool {
+        let now = Starvation::look(&mut self.line);
+        std::mem::replace(&mut self.starvation, now).until(now) > REQUEST_LIMIT / 4
+    }
+
     /// Begins a check.
     pub(super) fn begin(&mut self, time_up: TimeUp) {
+        self.starvation = time_up.starvation;
         (self.time_up, self.slowest) = (time_up, Duration::ZERO);
     }
 

@@ -13,6 +13,7 @@ use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::{accepted, first_sample};
 use super::receiver::framed;
+use super::words::Words;
 
 /// Time for which nothing may be sent, and in `Faulted`.
 const QUIET: Duration = Duration::from_millis(30);
@@ -81,11 +82,8 @@ fn pace(client: &mut Client) -> RuleResult {
     let passed = Duration::from_micros(last_us.wrapping_sub(first_us).into());
     let most = latest.saturating_duration_since(before).mul_f64(1.0 + TOLERANCE) + TICK;
     let least = later.saturating_duration_since(after).mul_f64(1.0 - MISSING).saturating_sub(TICK);
-    expect(
-        (least..=most).contains(&passed),
-        format!("between two reads {} to {} us of device time", least.as_micros(), most.as_micros()),
-        format!("{} us", passed.as_micros()),
-    )
+    let expected = format!("{} to {} of device time between two reads", least.words(), most.words());
+    expect((least..=most).contains(&passed), expected, passed)
 }
 
 fn long_watchdogs(client: &mut Client) -> RuleResult {

@@ -11,6 +11,7 @@ use super::answers::{hello, sample};
 use super::assertion::{Failure, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
+use super::judge::ATTEMPTS;
 
 /// Latency limit. A drive needs some 100 us; the limit leaves time for an emulator on a busy machine, so that only a hung
 /// drive exceeds it.
@@ -46,10 +47,17 @@ fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> Ho
     })
 }
 
+/// A machine that stands still does so now and then, a hung drive every time.
 fn round_trip(client: &mut Client, request: HostMessage, answer: &str) -> Result<Duration, Failure> {
-    let sent = client.line.now();
-    let answers = client.request_to(request, answer)?;
-    let waited = client.line.now().saturating_duration_since(sent);
-    equal("answer", vec![answer], names(&answers))?;
+    let mut waited = Duration::MAX;
+    for _ in 0..ATTEMPTS {
+        let sent = client.line.now();
+        let answers = client.request_to(request, answer)?;
+        waited = waited.min(client.line.now().saturating_duration_since(sent));
+        equal("answer", vec![answer], names(&answers))?;
+        if waited <= LIMIT {
+            break;
+        }
+    }
     Ok(waited)
 }
