@@ -259,14 +259,11 @@ fn no_names(client: &mut Client) -> RuleResult {
             result(DescribeChoice { parameter, choice }, Outcome::UnknownIndex, state)
         });
         client.exchange(&format!("in {state}"), &unknown.collect::<Vec<_>>())?;
-        let pairs: Vec<_> = lists.iter().flat_map(|list| [(*list, 0x5b), (*list, 0xb6)]).collect();
-        let requests: Vec<HostMessage> = pairs
-            .iter()
-            .map(|(parameter, choice)| DescribeChoice { parameter: *parameter, choice: *choice }.into())
-            .collect();
+        let pairs = lists.iter().flat_map(|list| [0x5b, 0xb6].map(|choice| (*list, choice)));
+        let requests: Vec<_> =
+            pairs.map(|(parameter, choice)| DescribeChoice { parameter, choice }.into()).collect();
         let answers = client.answers(&requests)?;
-        let kinds = names(&answers);
-        let has_one = kinds.chunks(2).all(|pair| pair.contains(&"CommandResult"));
+        let has_one = names(&answers).chunks(2).all(|pair| pair.contains(&"CommandResult"));
         expect(has_one, "UnknownIndex for one of two values without a name", answers.as_slice())?;
     }
     Ok(())
