@@ -128,8 +128,11 @@ fn of(message: &mut DriveMessage, kind: u8, alter: impl Fn(&mut CommandResult)) 
     }
 }
 
+/// What a wrong drive does to one of its messages.
+type Wrong = fn(&mut DriveMessage);
+
 /// What is wrong, how, and the check that finds it.
-const WRONG: [(&str, fn(&mut DriveMessage), &str); 9] = [
+const WRONG: [(&str, Wrong, &str); 9] = [
     (
         "bench mode without its capability",
         |it| {
