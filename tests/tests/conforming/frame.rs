@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use lashloop_conformance::CheckStatus;
-use lashloop_protocol::enums::{LogLevel, Outcome, State};
-use lashloop_protocol::message::{CommandResult, Log, Start, Telemetry, TorqueAnswer};
+use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
+use lashloop_protocol::message::{CommandResult, Log, ParameterDescription, Start, Telemetry, TorqueAnswer};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, Numbered, TelemetryValues, cobs, crc};
@@ -165,6 +165,23 @@ fn a_flood_of_answers_fails_in_a_few_words() {
             assert!(expected.chars().count() <= 600 && got.chars().count() <= 600, "{}: {got}", it.name);
         }
     }
+}
+
+#[test]
+fn a_value_without_end_fails_and_a_name_to_be_quoted_is_noted() {
+    let battery = Battery::of(Altered::new(|it, _| match &it.message {
+        DriveMessage::ParameterDescription(parameter) if parameter.name.as_str() == "k_p1" => {
+            let max = ParameterValue::F32(f32::INFINITY);
+            instead(it, ParameterDescription { name: Text::new("k p1"), max, ..*parameter })
+        }
+        _ => whole(it),
+    }));
+    let of = |name: &str| battery.results.iter().find(|it| it.name == name).expect("a check");
+    let finite = of("default, minimum and maximum are finite");
+    assert!(matches!(finite.status, CheckStatus::Failed { .. }), "{finite:#?}");
+    let names = of("every parameter name is unique");
+    assert_eq!(names.status, CheckStatus::Passed);
+    assert_eq!(names.note, "warning: in a scenario these names need quotes: k p1");
 }
 
 /// The specification's words and units, none of Rust's.

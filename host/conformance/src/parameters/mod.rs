@@ -96,7 +96,7 @@ pub(super) fn foreign_names<'a>(names: impl Iterator<Item = &'a str>) -> String 
     if foreign.is_empty() {
         return String::new();
     }
-    format!("warning: a scenario has to quote {}, no bare keys of TOML", foreign.words())
+    format!("warning: in a scenario these names need quotes: {}", foreign.words())
 }
 
 fn reserved(client: &mut Client) -> RuleResult {
