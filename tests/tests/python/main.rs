@@ -12,7 +12,10 @@ use tests::python;
 type Check = fn();
 
 const TRIALS: [(&str, Check); 8] = [
-    ("conforming::the_python_drive_passes_every_check_and_none_but_of_bench_mode_is_skipped", conforming::every_check),
+    (
+        "conforming::the_python_drive_passes_every_check_and_none_but_of_bench_mode_is_skipped",
+        conforming::every_check,
+    ),
     ("conforming::the_drive_of_the_package_fails_no_check", conforming::the_package_s_own),
     ("runs::smooth_before_has_the_torque_bits_of_the_firmware", runs::smooth),
     ("runs::friction_before_has_the_torque_bits_of_the_firmware", runs::friction),
