@@ -64,6 +64,7 @@ impl Output {
         if self.deferred.is_full() {
             self.encode_deferred();
         }
+        // Before it is pushed: of the report of a step nothing remains of this.
         let mut message = message.into();
         stamp(&mut message, self.now);
         let _ = self.deferred.push(message);
