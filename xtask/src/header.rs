@@ -29,8 +29,7 @@ const BEGINNING: &str = "\
  * docs/protocol.md specifies the meaning of the messages and when each is sent.
  *
  * Offsets count from the kind byte at offset 0 of every body, after the COBS stuffing has been removed.
- * Values are little endian. There are no structs: read byte by byte, independent of padding and of the byte order of
- * the machine.
+ * Values are little endian. Read them byte by byte, independent of padding and of the byte order of the machine.
  *
  * Requests and their answers have the number of the request at LASHLOOP_NUMBER_OFFSET. Offsets and lengths include
  * it. A host that needs no numbers sends 0. The kinds 0x10 to 0x1f and 0x90 to 0x9f have no number: see

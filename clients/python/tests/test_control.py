@@ -114,7 +114,7 @@ def test_everything_is_computed_in_single_precision() -> None:
 
 def test_resolutions_that_differ_too_much_are_named() -> None:
     far = {"motor_counts_per_rev": 2**24, "load_counts_per_rev": 4, "reduction_ratio": 10.0}
-    with pytest.raises(InconsistentError, match="motor_counts_per_rev does not go with the other parameters"):
+    with pytest.raises(InconsistentError, match="reduction_ratio does not go with the other parameters"):
         PD.build(DEFAULTS | far)
 
 

@@ -158,4 +158,4 @@ def test_arming_rejects_inconsistent_parameters_with_the_index_of_one() -> None:
     dut = inconsistent()
     result = dut.only(CommandResult, Arm(SESSION))
     assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
-    assert result.detail == dut.index("motor_counts_per_rev")
+    assert result.detail == dut.index("reduction_ratio")

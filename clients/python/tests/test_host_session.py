@@ -86,10 +86,10 @@ def test_inconsistent_parameters_are_reported_by_name() -> None:
     host = opened(SimulatedLink())
     for name, number in (("motor_counts_per_rev", 2**24), ("load_counts_per_rev", 4), ("reduction_ratio", 10)):
         host.set(name, number)
-    expected = r"Inconsistent \(motor_counts_per_rev does not go with the other parameters\)$"
+    expected = r"Inconsistent \(reduction_ratio does not go with the other parameters\)$"
     with pytest.raises(RejectedError, match=expected) as raised:
         host.arm()
-    assert raised.value.cause == "motor_counts_per_rev does not go with the other parameters"
+    assert raised.value.cause == "reduction_ratio does not go with the other parameters"
 
 
 def test_parameters_are_checked_before_anything_is_sent() -> None:

@@ -38,8 +38,6 @@ pub struct Line {
     pub telemetry_count: TelemetryCount,
     /// The latest fault report.
     pub fault: Option<AtStep<FaultReport>>,
-    /// When the drive formed that report, in the link's time; `None` without a device time in it.
-    pub fault_at: Option<Instant>,
     /// The latest line report.
     pub report: Option<LineReport>,
     /// The latest texts of the drive, and notes about it.
@@ -69,7 +67,6 @@ impl Line {
             telemetry: None,
             telemetry_count: TelemetryCount::default(),
             fault: None,
-            fault_at: None,
             report: None,
             logs: Logs::default(),
             clock: DeviceClock::default(),
@@ -311,10 +308,7 @@ impl Line {
         let step = self.last_seen.sample_sent.unwrap_or(0);
         match message {
             DriveMessage::Telemetry(it) => self.telemetry = Some(AtStep::near(step, it.sequence, *it)),
-            DriveMessage::FaultReport(it) => {
-                self.fault = Some(AtStep::near(step, it.sequence, *it));
-                self.fault_at = formed_at;
-            }
+            DriveMessage::FaultReport(it) => self.fault = Some(AtStep::near(step, it.sequence, *it)),
             // That of an earlier stop is late.
             DriveMessage::LineReport(report) if *number == self.number => self.report = Some(*report),
             DriveMessage::Log(log) => self.logs.receive(*log, formed_at),

@@ -95,7 +95,7 @@ class Sensing:
         self._reference = _Reference()
         ratio = f32(parameters["reduction_ratio"]) * f32(motor_counts) / f32(load_counts)
         if not ratio <= _LARGEST_RATIO_IN_COUNTS:
-            raise InconsistentError("motor_counts_per_rev")
+            raise InconsistentError("reduction_ratio")
         self._whole_ratio = int(ratio)
         self._rest_of_ratio = ratio - f32(self._whole_ratio)
 
