@@ -91,7 +91,8 @@ impl Difference {
             Some([_, of_bound]) if measured > *of_bound => {
                 Some(format!("{name} differs by {measured} {unit}, {PAGE} allows {of_bound}"))
             }
-            // Another build of the image shifts its steps by some instructions, which changes a difference by up to a fifth.
+            // Another build of the image shifts its steps within the cycle of the PWM, and so the time at which a torque acts. Where
+            // that moves a difference out of this range, the page is measured again.
             Some([of_run, of_bound])
                 if (of_run - measured).abs() <= 0.5 * of_run + resolution
                     && (of_bound - bound).abs() <= 0.1 * bound =>

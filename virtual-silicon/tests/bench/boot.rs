@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::State;
-use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::message::{EncoderSample, Hello};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use crate::bench::{Bench, image};
@@ -50,11 +50,14 @@ fn a_reset_by_its_pin_turns_the_bridge_off_and_boots_an_idle_drive() {
         chip.reset();
         chip.now()
     });
-    // A frame may have been on the line.
+    // A frame may have been on the line. What is left of it takes the drive's next frame with it, so that a host repeats its
+    // first request.
     host.expects_cut_frame = true;
     host.bench.advance(Duration::from_millis(20));
     let off = host.bench.time_to_off(reset_at);
     assert!(off.is_some_and(|off| off < Duration::from_micros(1)), "{off:?}");
+    host.send(Hello::new(SESSION));
+    host.bench.advance(Duration::from_millis(10));
     assert_eq!(host.shake_hands(SESSION).state, State::Idle);
     assert_eq!(host.bench.act(|chip, _| (chip.misconfigured(), chip.resets())), (Vec::new(), 1));
 }

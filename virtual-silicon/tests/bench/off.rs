@@ -86,7 +86,12 @@ fn compare_with_docs(cause: &Cause, measured: &[Duration]) -> Vec<String> {
         assert_eq!(docs::time(within, *period), limit, "{}: within {within}", cause.name);
         let what = format!("{} at {} us, in us", cause.name, micros(*period));
         let documented = docs::time(figure, *period);
-        wrong.extend(docs::off(&what, micros(documented), micros(*measured), 0.1 * micros(limit) + INTERRUPT_US));
+        wrong.extend(docs::off(
+            &what,
+            micros(documented),
+            micros(*measured),
+            0.1 * micros(limit) + INTERRUPT_US,
+        ));
     }
     wrong
 }
