@@ -66,7 +66,7 @@ impl Output {
         }
         // Before it is pushed: of the report of a step nothing remains of this.
         let mut message = message.into();
-        stamp(&mut message, self.now);
+        self.stamp(&mut message);
         let _ = self.deferred.push(message);
     }
 
@@ -81,8 +81,15 @@ impl Output {
     /// One function for all messages: an encoder per message type would cost the image a kilobyte.
     fn append(&mut self, mut message: DriveMessage) {
         self.encode_deferred();
-        stamp(&mut message, self.now);
+        self.stamp(&mut message);
         encode(&mut self.bytes, &message, self.number);
+    }
+
+    /// Writes the device time into a message that has a field for it.
+    fn stamp(&self, message: &mut DriveMessage) {
+        if let Some(field) = message.device_time_us_mut() {
+            *field = Some(device_time_us(self.now));
+        }
     }
 
     /// Appends a log line, unless it would displace an answer.
@@ -98,26 +105,6 @@ impl Output {
 #[inline(never)]
 fn encode(bytes: &mut heapless::Vec<u8, CAPACITY>, message: &DriveMessage, number: u8) {
     let _ = bytes.extend_from_slice(&message.numbered_frame(number));
-}
-
-/// Writes the device time into a message that has a field for it.
-fn stamp(message: &mut DriveMessage, now: Duration) {
-    let field = match message {
-        DriveMessage::Identity(it) => &mut it.device_time_us,
-        DriveMessage::ParameterReport(it) => &mut it.device_time_us,
-        DriveMessage::LineReport(it) => &mut it.device_time_us,
-        DriveMessage::CommandResult(it) => &mut it.device_time_us,
-        DriveMessage::FaultReport(it) => &mut it.device_time_us,
-        DriveMessage::Log(it) => &mut it.device_time_us,
-        DriveMessage::ParameterDescription(_)
-        | DriveMessage::LawDescription(_)
-        | DriveMessage::SignalDescription(_)
-        | DriveMessage::ChoiceDescription(_)
-        | DriveMessage::TorqueAnswer(_)
-        | DriveMessage::Telemetry(_)
-        | DriveMessage::BenchSample(_) => return,
-    };
-    *field = Some(device_time_us(now));
 }
 
 /// Device time in us, modulo 2^32. In 32-bit arithmetic: a microcontroller divides 64 bits in software.

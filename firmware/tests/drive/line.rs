@@ -64,13 +64,5 @@ pub fn refusal(answers: &[DriveMessage]) -> (Outcome, u32, State) {
 
 /// The device time of a message in us; `None` for one without the field.
 pub fn device_time(message: &DriveMessage) -> Option<Option<u32>> {
-    match message {
-        DriveMessage::Identity(it) => Some(it.device_time_us),
-        DriveMessage::ParameterReport(it) => Some(it.device_time_us),
-        DriveMessage::LineReport(it) => Some(it.device_time_us),
-        DriveMessage::CommandResult(it) => Some(it.device_time_us),
-        DriveMessage::FaultReport(it) => Some(it.device_time_us),
-        DriveMessage::Log(it) => Some(it.device_time_us),
-        _ => None,
-    }
+    { *message }.device_time_us_mut().copied()
 }

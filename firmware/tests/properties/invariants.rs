@@ -334,16 +334,7 @@ fn in_range(value: ParameterValue, min: ParameterValue, max: ParameterValue) -> 
 
 /// The device time of a message in us, if it has the field. A drive that says that it has device time writes it into all of them.
 fn device_time_us(message: &DriveMessage) -> Option<u32> {
-    let field = match message {
-        DriveMessage::Identity(it) => it.device_time_us,
-        DriveMessage::ParameterReport(it) => it.device_time_us,
-        DriveMessage::LineReport(it) => it.device_time_us,
-        DriveMessage::CommandResult(it) => it.device_time_us,
-        DriveMessage::FaultReport(it) => it.device_time_us,
-        DriveMessage::Log(it) => it.device_time_us,
-        _ => return None,
-    };
-    Some(field.expect("a device time"))
+    { *message }.device_time_us_mut().map(|field| field.expect("a device time"))
 }
 
 /// An unknown request has one answer; what a host sends in every period has none.

@@ -145,7 +145,7 @@ impl Arrivals {
     /// Takes the device time from a message.
     fn check_time(&mut self, message: &mut DriveMessage) -> RuleResult {
         let name = message.layout().name;
-        let Some(time_us) = device_time(message).map(Option::take) else { return Ok(()) };
+        let Some(time_us) = message.device_time_us_mut().map(Option::take) else { return Ok(()) };
         if time_us.is_some() != self.has_device_time {
             let with = if self.has_device_time { "with" } else { "without" };
             let got = time_us.map_or_else(|| "none".to_owned(), |time_us| format!("{time_us} us"));
@@ -196,17 +196,4 @@ fn surplus(number: u8, message: &DriveMessage) -> Failure {
     let with_number =
         if message.layout().has_number() { format!(", number {number}") } else { String::new() };
     broken("one answer to each request, in their order and with its number", format!("{words}{with_number}"))
-}
-
-/// The field `device_time_us` of a message that may have it.
-pub(super) const fn device_time(message: &mut DriveMessage) -> Option<&mut Option<u32>> {
-    match message {
-        DriveMessage::Identity(it) => Some(&mut it.device_time_us),
-        DriveMessage::ParameterReport(it) => Some(&mut it.device_time_us),
-        DriveMessage::LineReport(it) => Some(&mut it.device_time_us),
-        DriveMessage::CommandResult(it) => Some(&mut it.device_time_us),
-        DriveMessage::FaultReport(it) => Some(&mut it.device_time_us),
-        DriveMessage::Log(it) => Some(&mut it.device_time_us),
-        _ => None,
-    }
 }

@@ -2,8 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::DriveMessage;
-
 /// Time after which a reading has lost 1 us, as clocks of quartz do: a later one with a longer round trip may be better.
 const US_PER_US_OF_DRIFT: u32 = 10_000;
 
@@ -53,19 +51,6 @@ impl DeviceClock {
         let ago_us = read_us.wrapping_add(since_us as u32).wrapping_sub(device_us).cast_signed();
         // A drive with a faster clock seems to send from the future.
         now.checked_sub(Duration::from_micros(u64::try_from(ago_us).unwrap_or(0)))
-    }
-}
-
-/// Device time of a message, if it carries one.
-pub(crate) fn device_time_us(message: &DriveMessage) -> Option<u32> {
-    match message {
-        DriveMessage::Identity(it) => it.device_time_us,
-        DriveMessage::ParameterReport(it) => it.device_time_us,
-        DriveMessage::LineReport(it) => it.device_time_us,
-        DriveMessage::CommandResult(it) => it.device_time_us,
-        DriveMessage::FaultReport(it) => it.device_time_us,
-        DriveMessage::Log(it) => it.device_time_us,
-        _ => None,
     }
 }
 

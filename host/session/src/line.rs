@@ -8,7 +8,7 @@ use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, Numbered};
 
 use crate::at_step::AtStep;
-use crate::device_clock::{DeviceClock, device_time_us};
+use crate::device_clock::DeviceClock;
 use crate::diagnosis::{Collector, Diagnosis};
 use crate::error::{LastSeen, SessionError};
 use crate::logs::Logs;
@@ -318,7 +318,7 @@ impl Line {
 
     /// When the drive formed a message that has just been read, in the link's time.
     fn formed_at(&mut self, number: u8, message: &DriveMessage) -> Option<Instant> {
-        let device_us = device_time_us(message)?;
+        let device_us = (*{ *message }.device_time_us_mut()?)?;
         let now = self.link.now();
         self.clock.hear(number, device_us, now);
         self.clock.time_of(device_us, now)

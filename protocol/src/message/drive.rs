@@ -225,3 +225,24 @@ messages! {
         lateness_tenths_us: u16,
     }
 }
+
+impl DriveMessage {
+    /// Device time of the message, in us, if its kind has the field.
+    pub fn device_time_us_mut(&mut self) -> Option<&mut Option<u32>> {
+        match self {
+            Self::Identity(it) => Some(&mut it.device_time_us),
+            Self::ParameterReport(it) => Some(&mut it.device_time_us),
+            Self::LineReport(it) => Some(&mut it.device_time_us),
+            Self::CommandResult(it) => Some(&mut it.device_time_us),
+            Self::FaultReport(it) => Some(&mut it.device_time_us),
+            Self::Log(it) => Some(&mut it.device_time_us),
+            Self::ParameterDescription(_)
+            | Self::LawDescription(_)
+            | Self::SignalDescription(_)
+            | Self::ChoiceDescription(_)
+            | Self::TorqueAnswer(_)
+            | Self::Telemetry(_)
+            | Self::BenchSample(_) => None,
+        }
+    }
+}

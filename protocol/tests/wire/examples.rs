@@ -19,7 +19,7 @@ use lashloop_protocol::{
 pub const NUMBER: u8 = 200;
 
 /// Device time in every example that has one.
-const DEVICE_TIME_US: Option<u32> = Some(0x0102_0304);
+pub const DEVICE_TIME_US: Option<u32> = Some(0x0102_0304);
 
 /// A session number whose four bytes differ.
 const SESSION: u32 = 0x4c41_5348;

@@ -107,3 +107,13 @@ fn the_golden_frames_decode_to_their_messages() {
         assert_eq!(name, entry["name"].as_str());
     }
 }
+
+#[test]
+fn every_message_with_a_device_time_gives_access_to_it() {
+    for mut message in examples::from_drive() {
+        let layout = message.layout();
+        let has_field = layout.fields.iter().any(|field| field.name == "device_time_us");
+        let field = message.device_time_us_mut().copied();
+        assert_eq!(field, has_field.then_some(examples::DEVICE_TIME_US), "{}", layout.name);
+    }
+}

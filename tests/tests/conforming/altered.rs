@@ -121,7 +121,8 @@ impl Link for Altered {
             let mut rest = &bytes[..count];
             while let Some(message) = self.decoder.next::<DriveMessage>(&mut rest) {
                 let message = message.expect("a drive that sends good frames");
-                self.passing.device_us = device_us(&message.message).or(self.passing.device_us);
+                self.passing.device_us =
+                    { message.message }.device_time_us_mut().and_then(|it| *it).or(self.passing.device_us);
                 self.waiting.extend((self.alter)(&message, self.passing));
             }
             let until = self.drive.now() + self.delay;
@@ -145,17 +146,6 @@ impl Link for Altered {
         }
         self.waiting.clear();
         self.drive.discard_input()
-    }
-}
-
-fn device_us(message: &DriveMessage) -> Option<u32> {
-    match message {
-        DriveMessage::Identity(it) => it.device_time_us,
-        DriveMessage::ParameterReport(it) => it.device_time_us,
-        DriveMessage::LineReport(it) => it.device_time_us,
-        DriveMessage::CommandResult(it) => it.device_time_us,
-        DriveMessage::FaultReport(it) => it.device_time_us,
-        _ => None,
     }
 }
 

@@ -16,15 +16,7 @@ impl Drive {
     /// A message with the device time, if the drive has one.
     pub(super) fn timed(&self, mut message: DriveMessage) -> DriveMessage {
         let name = message.layout().name;
-        let time_us = match &mut message {
-            DriveMessage::Identity(it) => &mut it.device_time_us,
-            DriveMessage::ParameterReport(it) => &mut it.device_time_us,
-            DriveMessage::LineReport(it) => &mut it.device_time_us,
-            DriveMessage::CommandResult(it) => &mut it.device_time_us,
-            DriveMessage::FaultReport(it) => &mut it.device_time_us,
-            DriveMessage::Log(it) => &mut it.device_time_us,
-            _ => return message,
-        };
+        let Some(time_us) = message.device_time_us_mut() else { return message };
         let has_it = self.character.has_clock;
         if self.at.flag("device time", name, has_it) {
             *time_us = Some(self.now_us as u32);
