@@ -12,7 +12,7 @@ use lashloop_firmware::Laws;
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::{DriveMessage, EncoderCounts, MAX_FRAME, Message, cobs, crc, frame};
+use lashloop_protocol::{DriveMessage, EncoderCounts, Frame, MAX_FRAME, Message, frame};
 use lashloop_session::{Session, SessionError};
 use libfuzzer_sys::fuzz_target;
 
@@ -119,7 +119,7 @@ impl Hostile {
                     let mut body = body.to_vec();
                     let index = usize::from(at) % body.len();
                     body[index] = value;
-                    self.ready.extend(frame_around(&body));
+                    self.ready.extend_from_slice(&Frame::around(&body));
                 }
             }
             4 => self.ready.extend([sent, sent].concat()),
@@ -129,7 +129,7 @@ impl Hostile {
                 let layout = DriveMessage::LAYOUTS[kind];
                 let mut body = vec![layout.kind];
                 body.extend((1..layout.body_len).map(|_| self.byte()));
-                self.ready.extend(frame_around(&body));
+                self.ready.extend_from_slice(&Frame::around(&body));
                 self.ready.extend_from_slice(sent);
             }
             // Any bytes instead.
@@ -142,13 +142,6 @@ impl Hostile {
         }
         self.next_edit();
     }
-}
-
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    frame.push(frame::DELIMITER);
-    frame
 }
 
 impl Link for Hostile {

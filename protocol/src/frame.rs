@@ -21,6 +21,19 @@ impl Frame {
         Self::written_by(|buffer| write(payload, 0, buffer))
     }
 
+    /// The frame around a body, which need not be one that this version knows.
+    ///
+    /// # Panics
+    /// The body has more than [`MAX_BODY`] bytes.
+    #[must_use]
+    pub fn around(body: &[u8]) -> Self {
+        Self::written_by(|buffer| {
+            buffer[1..=body.len()].copy_from_slice(body);
+            close(buffer, body.len());
+            &buffer[..body.len() + OVERHEAD]
+        })
+    }
+
     #[inline(always)]
     pub(crate) fn written_by(write: impl FnOnce(&mut [u8; MAX_FRAME]) -> &[u8]) -> Self {
         let mut bytes = [0; MAX_FRAME];

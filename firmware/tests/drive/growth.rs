@@ -8,7 +8,7 @@ use lashloop_protocol::message::{
     Arm, CommandResult, EmergencyStop, Hello, LineReport, Start, Stop, Subscribe,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Frame, HostMessage, Message, Numbered, cobs, crc};
+use lashloop_protocol::{DriveMessage, Frame, HostMessage, Message, Numbered};
 
 use crate::host::{HELLO, Host, SESSION, sample, torque};
 use crate::line::device_time;
@@ -30,13 +30,6 @@ fn in_every_state() -> [(Host, State); 5] {
         (Host::running(&[]), State::Running),
         (faulted, State::Faulted),
     ]
-}
-
-/// The frame around any body.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0][..], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    [&frame[..], &[0]].concat()
 }
 
 /// The body of a message with this number, and then these bytes of a newer version.
@@ -70,7 +63,7 @@ fn the_result_of_a_refused_sample_has_the_number_0() {
 #[test]
 fn an_unknown_request_is_answered_in_every_state_and_changes_nothing() {
     for (mut host, state) in in_every_state() {
-        let answers = host.exchange(&frame_around(&[NEWER_KIND, 77, 1, 2, 3]));
+        let answers = host.exchange(&Frame::around(&[NEWER_KIND, 77, 1, 2, 3]));
         let want = CommandResult {
             request: NEWER_KIND,
             outcome: Outcome::UnknownRequest,
@@ -85,7 +78,7 @@ fn an_unknown_request_is_answered_in_every_state_and_changes_nothing() {
 
 #[test]
 fn an_unknown_request_of_one_byte_has_the_number_0() {
-    let answers = Host::idle().exchange(&frame_around(&[NEWER_KIND]));
+    let answers = Host::idle().exchange(&Frame::around(&[NEWER_KIND]));
     assert!(
         matches!(answers[..], [Numbered { number: 0, message: DriveMessage::CommandResult(_) }]),
         "{answers:?}"
@@ -95,7 +88,7 @@ fn an_unknown_request_of_one_byte_has_the_number_0() {
 #[test]
 fn an_unknown_message_of_every_period_gets_no_answer() {
     for (mut host, state) in in_every_state() {
-        assert_eq!(host.exchange(&frame_around(&[NEWER_PERIODIC_KIND, 1, 2])), []);
+        assert_eq!(host.exchange(&Frame::around(&[NEWER_PERIODIC_KIND, 1, 2])), []);
         assert_eq!(host.drive.state(), state);
     }
 }
@@ -104,7 +97,7 @@ fn an_unknown_message_of_every_period_gets_no_answer() {
 fn a_message_of_the_drive_is_refused_as_an_echo() {
     let mut host = Host::running(&[]);
     for kind in [0x00, 0x80, 0x85, 0xaa] {
-        assert_eq!(host.exchange(&frame_around(&[kind, 1, 2, 3, 4])), []);
+        assert_eq!(host.exchange(&Frame::around(&[kind, 1, 2, 3, 4])), []);
     }
     let DriveMessage::LineReport(report) = host.send(Stop {})[0] else { panic!("a line report") };
     assert_eq!((report.messages, report.refused), (1, 4));
@@ -116,7 +109,7 @@ fn an_unknown_request_counts_as_a_good_message_and_feeds_no_watchdog() {
     host.sample(0, 0, 0);
     for kind in [NEWER_KIND, NEWER_PERIODIC_KIND] {
         host.clock.advance(Duration::from_millis(9));
-        host.exchange(&frame_around(&[kind, 1]));
+        host.exchange(&Frame::around(&[kind, 1]));
     }
     let device_time_us = Some(18_000);
     // The sample, both of them, and the stop.
@@ -125,7 +118,7 @@ fn an_unknown_request_counts_as_a_good_message_and_feeds_no_watchdog() {
 
     let mut host = Host::running(&[]);
     host.clock.advance(Duration::from_millis(19));
-    host.exchange(&frame_around(&[NEWER_KIND, 1]));
+    host.exchange(&Frame::around(&[NEWER_KIND, 1]));
     host.advance(Duration::from_millis(2));
     assert_eq!(host.drive.state(), State::Faulted);
 }
@@ -135,7 +128,7 @@ fn a_hello_with_further_fields_is_accepted() {
     let mut host = Host::new();
     let minor_version = HELLO.minor_version + 1;
     let body = longer(&Hello { minor_version, ..HELLO }, 3, &[0xaa; 9]);
-    let answers = host.exchange(&frame_around(&body));
+    let answers = host.exchange(&Frame::around(&body));
     let [Numbered { number: 3, message: DriveMessage::Identity(identity) }] = answers[..] else {
         panic!("{answers:?}")
     };
@@ -150,7 +143,7 @@ fn a_request_and_a_sample_of_any_longer_body_are_taken() {
         longer(&Arm { session: SESSION }, 2, &[0; 4]),
         longer(&Start { session: SESSION }, 3, &[0xff; 2]),
     ] {
-        let answers = host.send_bytes(&frame_around(&body));
+        let answers = host.send_bytes(&Frame::around(&body));
         assert!(
             matches!(answers[..], [DriveMessage::CommandResult(it)] if it.outcome == Outcome::Accepted),
             "{answers:?}"
@@ -158,7 +151,7 @@ fn a_request_and_a_sample_of_any_longer_body_are_taken() {
     }
     let mut body = longer(&sample(0, 1000, 1000), 0, &[]);
     body.resize(MAX_BODY, 0x55);
-    let answers = host.send_bytes(&frame_around(&body));
+    let answers = host.send_bytes(&Frame::around(&body));
     assert_ne!(torque(&answers).torque_nm, 0.0);
     assert!(matches!(answers[1], DriveMessage::Telemetry(_)), "{answers:?}");
 }
@@ -168,10 +161,10 @@ fn a_body_that_is_too_short_is_refused() {
     let mut host = Host::running(&[]);
     let mut body = longer(&Stop {}, 1, &[]);
     body.pop();
-    assert_eq!(host.exchange(&frame_around(&body)), []);
+    assert_eq!(host.exchange(&Frame::around(&body)), []);
     let mut body = longer(&HELLO, 2, &[]);
     body.pop();
-    assert_eq!(host.exchange(&frame_around(&body)), []);
+    assert_eq!(host.exchange(&Frame::around(&body)), []);
     assert_eq!(host.drive.state(), State::Running);
     let DriveMessage::LineReport(report) = host.send(Stop {})[0] else { panic!("a line report") };
     assert_eq!(report.refused, 2);

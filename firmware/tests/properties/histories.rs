@@ -7,7 +7,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
 use lashloop_firmware::law::{LawSet, Parameter};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State};
-use lashloop_protocol::frame::MAX_BODY;
+use lashloop_protocol::frame::{Frame, MAX_BODY};
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start, Subscribe};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{HostMessage, Message};
@@ -19,7 +19,7 @@ use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 
 use crate::action::{self, Action};
 use crate::coverage::Coverage;
-use crate::invariants::{CheckedDrive, SESSION, frame_around};
+use crate::invariants::{CheckedDrive, SESSION};
 
 const TABLE: &[Parameter] = Laws::PARAMETERS;
 
@@ -231,7 +231,7 @@ proptest! {
 fn bytes_of(action: &Action<'_>) -> Vec<u8> {
     match action {
         Action::Line(bytes) => bytes.to_vec(),
-        Action::Body(body) => frame_around(body).to_vec(),
+        Action::Body(body) => Frame::around(body).to_vec(),
         _ => Vec::new(),
     }
 }

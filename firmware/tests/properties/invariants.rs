@@ -13,8 +13,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Decoder, DriveMessage, EncoderCounts, Frame, FrameError, HostMessage, MAX_FRAME, Message, Numbered,
-    PROTOCOL_VERSION, cobs, crc,
+    Decoder, DriveMessage, EncoderCounts, Frame, FrameError, HostMessage, Message, Numbered, PROTOCOL_VERSION,
 };
 
 use crate::action::Action;
@@ -99,7 +98,7 @@ impl<O: Observer + Default> CheckedDrive<O> {
     pub fn act(&mut self, action: &Action<'_>) {
         match action {
             Action::Line(bytes) => self.receive(bytes),
-            Action::Body(body) => self.receive(&frame_around(body)),
+            Action::Body(body) => self.receive(&Frame::around(body)),
             Action::Sample { motor, load, reference_rad } => {
                 let sample = &mut self.next_sample;
                 sample.motor_counts = sample.motor_counts.wrapping_add((*motor).into());
@@ -373,13 +372,4 @@ fn way_to(state: State) -> &'static [HostMessage] {
         State::Running => &WAY[..4],
         State::Faulted | State::Unknown(_) => WAY,
     }
-}
-
-/// Any body in a frame with a valid CRC.
-pub fn frame_around(body: &[u8]) -> heapless::Vec<u8, MAX_FRAME> {
-    let crc = crc::checksum(body).to_le_bytes();
-    let mut frame: heapless::Vec<u8, MAX_FRAME> = [0].iter().chain(body).chain(&crc).copied().collect();
-    cobs::stuff(&mut frame);
-    frame.push(0).expect("a body of at most MAX_BODY bytes");
-    frame
 }

@@ -10,7 +10,9 @@ use lashloop_protocol::hex::Hex;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{CommandResult, Telemetry};
 use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, Numbered, TelemetryValues, cobs, crc};
+use lashloop_protocol::{
+    DriveMessage, Frame, HostMessage, MAX_BODY, Message, Numbered, TelemetryValues, cobs,
+};
 
 use crate::data_sheet::body_of;
 use crate::examples::{self, NUMBER};
@@ -40,14 +42,6 @@ fn program() -> Option<PathBuf> {
             None
         }
     }
-}
-
-/// A frame around any body.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    frame.push(0);
-    frame
 }
 
 /// The frame of every message, with its kind, its number and the length of its body.
@@ -135,7 +129,7 @@ fn result_cases() -> String {
                 let (outcome, state, time) = (outcome.byte(), state.byte(), device_time_us.unwrap_or(0));
                 let has_time = u8::from(device_time_us.is_some());
                 let values = format!("{outcome} {state} {} {has_time} {time}", result.detail);
-                let _ = writeln!(cases, "result {} {NUMBER} 5 {values}", Hex(&frame_around(&body)));
+                let _ = writeln!(cases, "result {} {NUMBER} 5 {values}", Hex(&Frame::around(&body)));
                 body.push(0xa5);
             }
         }
@@ -152,7 +146,7 @@ fn taken_cases<M: Message>(sender: &str, messages: &[M]) -> String {
             Err(BodyError::UnknownKind { number, .. }) => ("unknown", number),
             Err(_) => ("refused", 0),
         };
-        let _ = writeln!(cases, "taken {sender} {verdict} {number} {}", Hex(&frame_around(body)));
+        let _ = writeln!(cases, "taken {sender} {verdict} {number} {}", Hex(&Frame::around(body)));
     };
     for message in messages {
         let extended = [body_of(message), vec![0xa5; MAX_BODY]].concat();

@@ -5,7 +5,7 @@ use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::message::{EncoderSample, Start, Stop};
 use lashloop_protocol::wire::BodyError;
 use lashloop_protocol::{
-    Counters, Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, Numbered, cobs, crc,
+    Counters, Decoder, DriveMessage, Frame, HostMessage, MAX_BODY, MAX_FRAME, Message, Numbered,
 };
 
 use crate::examples;
@@ -18,22 +18,12 @@ fn decode_all(decoder: &mut Decoder, mut input: &[u8]) -> Vec<Item> {
 }
 
 fn message_of<M: Message>(body: &[u8]) -> Result<M, FrameError> {
-    let item = Decoder::new().next::<M>(&mut &frame_around(body)[..]).expect("a whole frame");
+    let item = Decoder::new().next::<M>(&mut &Frame::around(body)[..]).expect("a whole frame");
     item.map(|numbered| numbered.message)
 }
 
 fn sample_frame() -> Vec<u8> {
     HostMessage::from(examples::SAMPLE).frame().to_vec()
-}
-
-/// A frame around any body, with a correct CRC.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = vec![0];
-    frame.extend_from_slice(body);
-    frame.extend_from_slice(&crc::checksum(body).to_le_bytes());
-    cobs::stuff(&mut frame);
-    frame.push(0);
-    frame
 }
 
 #[test]
@@ -99,7 +89,7 @@ fn every_flipped_bit_is_detected() {
 
 #[test]
 fn a_crc_error_names_both_values() {
-    let mut body = frame_around(&[0x07]);
+    let mut body = Frame::around(&[0x07]).to_vec();
     body[2] ^= 0x01;
     let items = decode_all(&mut Decoder::new(), &body);
     assert!(
@@ -136,7 +126,7 @@ fn a_frame_of_the_other_direction_is_rejected() {
 
 #[test]
 fn a_body_that_is_too_short_names_both_lengths() {
-    let items = decode_all(&mut Decoder::new(), &frame_around(&[0x10, 1, 2, 3]));
+    let items = decode_all(&mut Decoder::new(), &Frame::around(&[0x10, 1, 2, 3]));
     let expected = BodyError::Length { name: "EncoderSample", shortest: 13, found: 4 };
     assert_eq!(items, [Err(FrameError::Body(expected))]);
 }
@@ -149,7 +139,7 @@ fn telemetry_takes_1_to_13_values_and_no_other_length() {
         if [7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47, 51, 55].contains(&len) {
             let Ok(DriveMessage::Telemetry(telemetry)) = item else { panic!("{len} bytes: {item:?}") };
             assert_eq!(telemetry.values.as_slice().len(), (len - 3) / 4);
-            assert_eq!(DriveMessage::from(telemetry).frame()[..], frame_around(&body)[..]);
+            assert_eq!(DriveMessage::from(telemetry).frame()[..], Frame::around(&body)[..]);
         } else {
             let expected = BodyError::Elements { name: "Telemetry", longest: 55, step: 4, found: len };
             assert_eq!(item, Err(FrameError::Body(expected)));
@@ -160,7 +150,7 @@ fn telemetry_takes_1_to_13_values_and_no_other_length() {
 #[test]
 fn a_zero_is_in_no_list_and_rejected_by_field_name() {
     let mut decoder = Decoder::new();
-    let mut input = &frame_around(&[0x85, 7, 6, 0, 4, 0, 0, 0, 0])[..];
+    let mut input = &Frame::around(&[0x85, 7, 6, 0, 4, 0, 0, 0, 0])[..];
     let expected = BodyError::Value { name: "CommandResult", field: "outcome" };
     assert_eq!(decoder.next::<DriveMessage>(&mut input), Some(Err(FrameError::Body(expected))));
     assert_eq!(decoder.counters().refused, 1);
@@ -173,7 +163,7 @@ fn a_value_that_a_newer_peer_added_is_kept_as_received() {
         let Ok(DriveMessage::CommandResult(result)) = message_of(&body) else { panic!("{byte} is rejected") };
         assert_eq!(result.outcome.byte(), byte);
         assert_eq!(result.outcome.is_named(), byte <= 13);
-        assert_eq!(DriveMessage::from(result).numbered_frame(7)[..], frame_around(&body)[..]);
+        assert_eq!(DriveMessage::from(result).numbered_frame(7)[..], Frame::around(&body)[..]);
     }
     assert_eq!(FaultCode::from_byte(77).map(|code| code.to_string()).as_deref(), Some("unknown 77"));
 }
@@ -183,7 +173,7 @@ fn a_value_of_a_newer_type_is_kept_as_received() {
     let body = [0x83, 7, 3, 1, 9, 1, 2, 3, 4, 2, 0, 0, 0, 0];
     let Ok(DriveMessage::ParameterReport(report)) = message_of(&body) else { panic!("it is rejected") };
     assert_eq!(format!("{} ({})", report.value, report.value.ty()), "0x04030201 (unknown 9)");
-    assert_eq!(DriveMessage::from(report).numbered_frame(7)[..], frame_around(&body)[..]);
+    assert_eq!(DriveMessage::from(report).numbered_frame(7)[..], Frame::around(&body)[..]);
 }
 
 #[test]
@@ -207,7 +197,7 @@ fn fields_that_a_newer_peer_added_are_ignored() {
     let known = HostMessage::from(Start { session: 0x0102_0304 });
     let mut body = vec![0x06, 9, 4, 3, 2, 1];
     while body.len() <= MAX_BODY {
-        let item = Decoder::new().next::<HostMessage>(&mut &frame_around(&body)[..]);
+        let item = Decoder::new().next::<HostMessage>(&mut &Frame::around(&body)[..]);
         assert_eq!(item, Some(Ok(Numbered { number: 9, message: known })), "{} bytes", body.len());
         body.push(0xa5);
     }
@@ -224,7 +214,7 @@ fn a_device_time_is_there_whole_or_not_at_all() {
         let written_len = if whole { with_time.len() } else { 9 };
         assert_eq!(
             DriveMessage::from(result).numbered_frame(7)[..],
-            frame_around(&with_time[..written_len])[..]
+            Frame::around(&with_time[..written_len])[..]
         );
     }
     let cut = BodyError::Length { name: "CommandResult", shortest: 9, found: 8 };
@@ -271,12 +261,19 @@ fn counters_add_up_over_a_noisy_stream() {
     let good = sample_frame();
     let mut wrong_crc = good.clone();
     wrong_crc[5] ^= 0x10;
-    let stream =
-        [good.clone(), wrong_crc, vec![9, 9, 0], vec![5; 70], vec![0], frame_around(&[0x81]), good.clone()]
-            .concat();
+    let stream = [
+        good.clone(),
+        wrong_crc,
+        vec![9, 9, 0],
+        vec![5; 70],
+        vec![0],
+        Frame::around(&[0x81]).to_vec(),
+        good.clone(),
+    ]
+    .concat();
     let mut decoder = Decoder::new();
     let _ = decode_all(&mut decoder, &stream);
-    let _ = decode_all(&mut decoder, &frame_around(&[0x7f, 1, 2, 3]));
+    let _ = decode_all(&mut decoder, &Frame::around(&[0x7f, 1, 2, 3]));
     let expected = Counters {
         messages: 2,
         discarded_bytes: (stream.len() - 2 * good.len()) as u32,

@@ -7,7 +7,7 @@ use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{CommandResult, Log, ParameterDescription, Start, Telemetry, TorqueAnswer};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Message, Numbered, TelemetryValues, cobs, crc};
+use lashloop_protocol::{DriveMessage, Frame, Message, Numbered, TelemetryValues};
 
 use crate::altered::{Alteration, Altered, Battery, Passing};
 
@@ -25,15 +25,6 @@ fn log(device_time_us: Option<u32>) -> Vec<u8> {
     DriveMessage::from(log).frame().to_vec()
 }
 
-/// A good frame of a kind that this version lacks.
-fn of_new_kind() -> Vec<u8> {
-    let body = [0xe7, 1, 2, 3];
-    let mut frame = [&[0], &body[..], &crc::checksum(&body).to_le_bytes(), &[0]].concat();
-    let end = frame.len() - 1;
-    cobs::stuff(&mut frame[..end]);
-    frame
-}
-
 fn assert_passes(battery: &Battery) {
     assert!(battery.ended.is_ok(), "{:?}", battery.ended);
     assert!(battery.failed().is_empty() && battery.not_judged().is_empty(), "{:#?}", battery.results);
@@ -49,7 +40,9 @@ fn logs_between_any_two_frames_are_borne() {
 
 #[test]
 fn frames_of_a_new_kind_are_borne() {
-    assert_passes(&Battery::of(Altered::new(|message, _| [of_new_kind(), whole(message)].concat())));
+    assert_passes(&Battery::of(Altered::new(|message, _| {
+        [Frame::around(&[0xe7, 1, 2, 3]).to_vec(), whole(message)].concat()
+    })));
 }
 
 #[test]

@@ -22,7 +22,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Message, cobs, crc};
+use lashloop_protocol::{DriveMessage, Frame, Message};
 
 /// Faults that version 1.1 adds, with their names.
 const NEW_FAULTS: [(u8, &str); 3] = [(77, "BrakeOpen"), (78, "OverTemperature"), (79, "SupplyLow")];
@@ -38,13 +38,6 @@ const NEW_NUMBER: u8 = 254;
 fn body_of(frame: &[u8]) -> Option<Vec<u8>> {
     let mut stuffed = frame.strip_suffix(&[DELIMITER]).filter(|stuffed| !stuffed.is_empty())?.to_vec();
     Some(frame::open(&mut stuffed).expect("a good frame").to_vec())
-}
-
-fn frame_of(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    frame.push(DELIMITER);
-    frame
 }
 
 /// Changes each message between bench and drive.
@@ -169,7 +162,7 @@ impl<N: Newer> Link for Between<N> {
             match body_of(frame) {
                 Some(body) => {
                     for body in self.newer.request(body, &mut self.ready) {
-                        self.link.send(&frame_of(&body))?;
+                        self.link.send(&Frame::around(&body))?;
                     }
                 }
                 None => self.link.send(frame)?,
@@ -184,7 +177,7 @@ impl<N: Newer> Link for Between<N> {
             let count = self.link.receive(&mut arrived, deadline)?;
             for frame in arrived[..count].split_inclusive(|byte| *byte == DELIMITER) {
                 let bodies = body_of(frame).map(|body| self.newer.answer(body)).unwrap_or_default();
-                self.ready.extend(bodies.iter().flat_map(|body| frame_of(body)));
+                self.ready.extend(bodies.iter().flat_map(|body| Frame::around(body).to_vec()));
                 // No byte would be a timeout.
                 self.ready.push(DELIMITER);
             }

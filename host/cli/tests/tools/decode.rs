@@ -3,6 +3,7 @@
 use std::fs;
 
 use lashloop_decode::capture::pcapng;
+use lashloop_protocol::Frame;
 use lashloop_protocol::layout::Direction;
 
 use crate::support::{example_frame, example_frames, lashloop, short_run, subscribed_frames, text};
@@ -40,21 +41,19 @@ fn bad_frames_are_shown_with_their_reason_and_place() {
     let mut flipped = hello.clone();
     flipped[3] ^= 0x40;
     let noise = [&[7; 100][..], &[0]].concat();
-    let stream =
-        [&hello[..], &[0, 0], &flipped, &[9, 9, 0], &[2, 5, 0], &noise, &unknown_kind(), report, &hello[..4]];
+    let stream = [
+        &hello[..],
+        &[0, 0],
+        &flipped,
+        &[9, 9, 0],
+        &[2, 5, 0],
+        &noise,
+        &Frame::around(&[0x7e, 5]),
+        report,
+        &hello[..4],
+    ];
     insta::assert_snapshot!(decode(&["-"], &stream.concat()));
     insta::assert_snapshot!(decode(&["-", "--json"], &stream.concat()));
-}
-
-/// A good frame of a kind that no host of this version sends.
-fn unknown_kind() -> Vec<u8> {
-    let body = [0x7e_u8, 5];
-    let mut frame = vec![0];
-    frame.extend(body);
-    frame.extend(lashloop_protocol::crc::checksum(&body).to_le_bytes());
-    lashloop_protocol::cobs::stuff(&mut frame);
-    frame.push(0);
-    frame
 }
 
 #[test]

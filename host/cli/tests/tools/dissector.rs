@@ -10,7 +10,7 @@ use lashloop_decode::{DecodedMessage, StreamReader};
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::field_value::{FieldValue, SetFlags};
 use lashloop_protocol::layout::{Direction, FieldType};
-use lashloop_protocol::{Message, cobs, crc};
+use lashloop_protocol::{Frame, Message};
 use tempfile::TempDir;
 
 use crate::examples::NUMBER;
@@ -170,14 +170,6 @@ fn telemetry_has_the_names_of_the_subscribed_signals() {
     assert_eq!(two_passes.as_deref(), Some(info.as_str()));
 }
 
-/// A frame around any body.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    frame.push(0);
-    frame
-}
-
 #[test]
 fn what_a_newer_version_adds_is_shown_and_not_refused() {
     let inside_time: &[u8] = &[0x85, 7, 5, 1, 3, 0, 0, 0, 0, 1, 2, 3];
@@ -201,7 +193,7 @@ fn what_a_newer_version_adds_is_shown_and_not_refused() {
         &[0x04, 7, 3, 77, 0xff, 0xff, 0xff, 0xff],
         &of_fault,
     ];
-    let frames: Vec<_> = bodies.iter().map(|body| frame_around(body)).collect();
+    let frames: Vec<_> = bodies.iter().map(|body| Frame::around(body).to_vec()).collect();
     let (_folder, path) = capture(&frames);
     let Some(info) = tshark(&path, &INFO_ALONE) else { return };
     insta::assert_snapshot!(info);

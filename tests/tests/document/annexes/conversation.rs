@@ -13,7 +13,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{
-    Decoder, DriveMessage, EncoderCounts, HostMessage, Message, Numbered, cobs, crc, frame,
+    Decoder, DriveMessage, EncoderCounts, Frame, HostMessage, Message, Numbered, crc, frame,
 };
 
 use crate::data_sheet::numbered_sheet;
@@ -166,25 +166,17 @@ fn first_frame() -> String {
     ))
 }
 
-/// A frame around any body.
-fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
-    cobs::stuff(&mut frame);
-    frame.push(frame::DELIMITER);
-    frame
-}
-
 /// Requests that a newer host may send to an idle drive, and their answers.
 fn of_other_versions() -> String {
     let mut longer = vec![HostMessage::from(GetParameter { index: 0 }).layout().kind, 8, 0];
     longer.extend([0xa5; 2]);
     let name = DescribeChoice { parameter: FAULT_NAMES, choice: 1 };
-    let name = HostMessage::from(name).numbered_frame(9).to_vec();
+    let name = HostMessage::from(name).numbered_frame(9);
     let cases = [
-        ("unknown kind 0x42, number 7", frame_around(&[0x42, 7, 1, 2, 3])),
-        ("unknown kind 0x42 alone, no number", frame_around(&[0x42])),
-        ("unknown kind 0x1f", frame_around(&[0x1f, 1, 2, 3])),
-        ("`GetParameter` with two further bytes", frame_around(&longer)),
+        ("unknown kind 0x42, number 7", Frame::around(&[0x42, 7, 1, 2, 3])),
+        ("unknown kind 0x42 alone, no number", Frame::around(&[0x42])),
+        ("unknown kind 0x1f", Frame::around(&[0x1f, 1, 2, 3])),
+        ("`GetParameter` with two further bytes", Frame::around(&longer)),
         ("`DescribeChoice` of `FAULT_NAMES`, byte 1", name),
     ];
     let mut drive = Drive::new("stm32f405");
