@@ -29,6 +29,7 @@ pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
         // With any other configuration the HAL waits for ready flags that QEMU never sets.
         return (rcc.freeze(Config::hsi()), Source::Emulator);
     }
+    reset(&rcc);
     // The HAL waits for the crystal without a timeout, so we start it first and select it only if it runs.
     rcc.cr().modify(|_, w| w.hseon().on());
     let steady = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().is_ready());
@@ -41,4 +42,28 @@ pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
         (Config::hsi(), Source::InternalOscillator)
     };
     (rcc.freeze(config.sysclk(CORE_HZ.Hz()).require_pll48clk()), source)
+}
+
+/// Clocks and peripherals as after a reset. A boot loader that has jumped here may still run from the PLL, whose configuration
+/// can't change while it is on (RM0090 7.3.2), and have its peripherals at the pins.
+#[inline(never)]
+fn reset(rcc: &RCC) {
+    rcc.cr().modify(|_, w| w.hsion().on());
+    while rcc.cr().read().hsirdy().is_not_ready() {}
+    rcc.cfgr().reset();
+    while !rcc.cfgr().read().sws().is_hsi() {}
+    rcc.cr().modify(|_, w| w.csson().off().pllon().off().hseon().off().hsebyp().not_bypassed());
+    while rcc.cr().read().pllrdy().is_ready() {}
+    // SAFETY: every bit resets a peripheral or nothing, and no peripheral is in use.
+    #[allow(unsafe_code)]
+    unsafe {
+        rcc.ahb1rstr().write(|w| w.bits(u32::MAX));
+        rcc.ahb2rstr().write(|w| w.bits(u32::MAX));
+        rcc.apb1rstr().write(|w| w.bits(u32::MAX));
+        rcc.apb2rstr().write(|w| w.bits(u32::MAX));
+    }
+    rcc.ahb1rstr().reset();
+    rcc.ahb2rstr().reset();
+    rcc.apb1rstr().reset();
+    rcc.apb2rstr().reset();
 }

@@ -13,6 +13,10 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 /// 9.4 ms. SysTick feeds every millisecond.
 const TIMEOUT_MS: u32 = 5;
 
+/// Polls until a new reload value is in force: five cycles of the oscillator, 0.3 ms at 17 kHz. A poll takes at least 8 cycles
+/// of the core.
+const ARRIVAL_POLLS: u32 = 20_000;
+
 static IS_RUNNING: AtomicBool = AtomicBool::new(false);
 
 /// Starts the watchdog. Only a reset stops it.
@@ -22,7 +26,19 @@ pub(super) fn start(watchdog: IWDG, debug: &DBGMCU) {
     watchdog.stop_on_debug(debug, false);
     debug.apb2_fz().modify(|_, w| w.dbg_tim1_stop().set_bit());
     watchdog.start(TIMEOUT_MS.millis());
+    // The reload value arrives some cycles of the oscillator after its start; until then the first timeout is 0xfff cycles, 2.8 to
+    // 7.7 s.
+    let _ = (0..ARRIVAL_POLLS).any(|_| !is_updating());
+    watchdog.feed();
     IS_RUNNING.store(true, Ordering::Relaxed);
+}
+
+/// Whether prescaler or reload value is on its way to the oscillator's side.
+fn is_updating() -> bool {
+    // SAFETY: reading the status has no effect.
+    #[allow(unsafe_code)]
+    let watchdog = unsafe { IWDG::steal() };
+    watchdog.sr().read().bits() != 0
 }
 
 /// Whether a halt has to feed the watchdog.

@@ -48,8 +48,9 @@ pub(super) fn follow_request(rcc: &RCC, syscfg: &SYSCFG) {
     unsafe {
         ptr::write_volatile(&raw mut WORD, MaybeUninit::new(0));
     }
-    // The loader takes its vectors from address 0.
+    // The loader takes its vectors from address 0. Until the clock has arrived, SYSCFG ignores a write (ES0182 2.2.13).
     rcc.apb2enr().modify(|_, w| w.syscfgen().enabled());
+    cortex_m::asm::dsb();
     syscfg.memrmp().write(|w| w.mem_mode().system_flash());
     // SAFETY: no task has run: what the start-up code has unmasked is masked again, and the loader, which uses interrupts,
     // takes over stack and processor for good.
@@ -58,6 +59,7 @@ pub(super) fn follow_request(rcc: &RCC, syscfg: &SYSCFG) {
         for register in &(*NVIC::PTR).icer {
             register.write(u32::MAX);
         }
+        (*SCB::PTR).vtor.write(0);
         cortex_m::interrupt::enable();
         cortex_m::asm::bootload(ROM as *const u32)
     }

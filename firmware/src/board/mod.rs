@@ -13,6 +13,7 @@ mod bench;
 mod clock_tree;
 mod device_clock;
 mod encoder;
+mod entry;
 #[cfg(not(feature = "board-odrive-v3"))]
 mod f405_bare;
 mod fault_handlers;
@@ -39,7 +40,7 @@ pub use tick_monitor::TickMonitor;
 
 use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
-use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
+use stm32f4xx_hal::pac::{DBGMCU, Peripherals};
 
 use crate::drive::Drive;
 use crate::law::LawSet;
@@ -93,7 +94,7 @@ pub fn start<L: LawSet>(
     device: Peripherals,
     memory: &'static mut Memory,
 ) -> Board<L> {
-    let emulated = is_emulated(&device.RCC, &device.DBGMCU);
+    let emulated = is_emulated(&device.DBGMCU);
     if !emulated {
         loader::follow_request(&device.RCC, &device.SYSCFG);
     }
@@ -140,8 +141,7 @@ pub fn start<L: LawSet>(
     Board { drive, bench, clock, ticker, usart, lines }
 }
 
-/// Whether this is QEMU, where clock control and chip identity read 0. On silicon the first has the internal
-/// oscillator's bits set from reset (RM0090 7.3.1) and the second is never 0 (RM0090 38.6.1).
-fn is_emulated(rcc: &RCC, dbgmcu: &DBGMCU) -> bool {
-    rcc.cr().read().bits() == 0 && dbgmcu.idcode().read().bits() == 0
+/// Whether this is QEMU, which has no chip identity: it reads 0, never on silicon (RM0090 38.6.1).
+fn is_emulated(dbgmcu: &DBGMCU) -> bool {
+    dbgmcu.idcode().read().bits() == 0
 }

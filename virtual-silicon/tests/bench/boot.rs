@@ -5,6 +5,7 @@ use std::time::Duration;
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::{EncoderSample, Hello};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
+use lashloop_silicon::thumb::{Code, FOREVER};
 
 use crate::bench::{Bench, image};
 use crate::host::{Host, SESSION};
@@ -60,6 +61,16 @@ fn a_reset_by_its_pin_turns_the_bridge_off_and_boots_an_idle_drive() {
     host.bench.advance(Duration::from_millis(10));
     assert_eq!(host.shake_hands(SESSION).state, State::Idle);
     assert_eq!(host.bench.act(|chip, _| (chip.misconfigured(), chip.resets())), (Vec::new(), 1));
+}
+
+#[test]
+fn the_first_timeout_of_the_watchdog_is_as_short_as_the_later_ones() {
+    let stuck = image().with_code("SysTick", |_| Code::default().halfword(FOREVER)).expect("the task");
+    let mut bench = Bench::power_up(&stuck, (0, 0));
+    bench.allow_resets();
+    bench.advance(Duration::from_millis(20));
+    let resets = bench.act(|chip, _| chip.resets());
+    assert!((2..=4).contains(&resets), "{resets} resets");
 }
 
 /// The drive as after power-up, but no motor turns.

@@ -1,0 +1,346 @@
+//! The image after a jump from the boot loader in the ROM, which is no reset: it answers, at the stated speed.
+//!
+//! A stand-in for the ROM lies at its address: a vector table whose exceptions all enter one handler, and a start that leaves the
+//! chip as a loader may leave it, loads stack pointer and program counter from the flash, and jumps, once. There are two ways into
+//! it, as `rigless` models the vector table register, but not what address 0 shows after a write to SYSCFG:
+//!
+//! - [`Entry::Pins`]: address 0 shows the ROM, as with BOOT0 high. So the chip starts for `flash --via dfu` and `--via uart`.
+//! - [`Entry::Request`]: the image follows its own request into the ROM, as after `EnterLoader`. The stand-in sets the vector table
+//!   register to its own, where the chip has the ROM at address 0.
+//!
+//! What ST's ROM leaves behind has to be seen on a board.
+
+use std::num::{NonZeroU32, NonZeroU64};
+use std::path::Path;
+
+use lashloop_protocol::message::Hello;
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, NOTHING, RETURN};
+use rigless::chip::Timeline;
+use rigless::chip::uart::Peer;
+use rigless::cpu;
+use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
+use rigless::image::Image;
+use rigless::machine::{Board, Target, armv7m};
+use rigless::mcu::{Mcu, Operate};
+use rigless::session::Session;
+use rigless::snapshot::Store;
+use rigless::soc::Width;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::rcc;
+use rigless::time::VirtualNanos;
+
+const MS: u64 = 1_000_000;
+/// The image waits 0.1 s for a crystal that isn't there.
+const HELLO_AT: u64 = 180 * MS;
+const END: u64 = HELLO_AT + 10 * MS;
+/// 10 bits of 42 MHz by 46.
+const BYTE_NS: f64 = 10_952.4;
+const ROM: u32 = 0x1fff_0000;
+const RCC_CR: u32 = 0x4002_3800;
+const SYSTICK: u32 = 0xe000_e010;
+const NVIC_ENABLE: u32 = 0xe000_e100;
+const NVIC_PEND: u32 = 0xe000_e200;
+const VECTOR_TABLE: u32 = 0xe000_ed08;
+/// A word above the 128 KiB that the image uses, and its value once the stand-in has jumped.
+const NOTE: u32 = 0x2002_8000;
+const JUMPED: u32 = 0x600d_f00d;
+/// The request of firmware/src/board/loader.rs.
+const REQUEST: u64 = 0x5245_4f4c;
+const IMAGES: [&str; 2] = ["lashloop-firmware", "lashloop-firmware-odrive-v3"];
+
+/// How the chip came to the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Entry {
+    Reset,
+    Pins,
+    Request,
+}
+
+/// The system clock at the jump: that of a reset, or 24 MHz of the PLL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Clock {
+    Off,
+    PllOfHsi,
+    PllOfHse,
+}
+
+/// What the loader leaves for interrupts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Interrupts {
+    None,
+    /// SysTick runs, with its interrupt, so fast that it comes many times while memory is initialised.
+    SysTick,
+    /// An interrupt of a peripheral that the image doesn't use is enabled and pending, behind the processor's mask.
+    Peripheral,
+}
+
+/// A start of the image.
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    entry: Entry,
+    clock: Clock,
+    interrupts: Interrupts,
+    /// What ends the ROM's handler.
+    handler: u16,
+    has_crystal: bool,
+}
+
+const AFTER_RESET: Case = Case {
+    entry: Entry::Reset,
+    clock: Clock::Off,
+    interrupts: Interrupts::None,
+    handler: FOREVER,
+    has_crystal: true,
+};
+
+/// Every start after the ROM.
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for entry in [Entry::Pins, Entry::Request] {
+        let case = Case { entry, ..AFTER_RESET };
+        cases.extend([Clock::Off, Clock::PllOfHsi, Clock::PllOfHse].map(|clock| Case { clock, ..case }));
+        cases.push(Case { handler: RETURN, ..case });
+        cases.push(Case { has_crystal: false, ..case });
+        cases.push(Case { has_crystal: false, clock: Clock::PllOfHsi, ..case });
+        cases.push(Case { interrupts: Interrupts::SysTick, handler: RETURN, ..case });
+        cases.push(Case { interrupts: Interrupts::Peripheral, ..case });
+    }
+    cases
+}
+
+/// The stand-in for the ROM.
+fn rom(case: Case) -> Vec<u8> {
+    const TABLE_WORDS: u32 = 128;
+    let handler = Code::default().halfwords(&[case.handler, NOTHING]).words();
+    // ldr r0, [r1]; cmp r0, r2; bne over the next one; b .; str r2, [r1]
+    let mut start =
+        Code::default().load(1, NOTE).load(2, JUMPED).halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
+    if case.clock != Clock::Off {
+        start = start.load(1, RCC_CR);
+        let mut source = 0;
+        let mut divider = 16;
+        if case.clock == Clock::PllOfHse {
+            // HSEON, and wait for HSERDY: ldr r0, [r1]; orrs r0, r2; str r0, [r1]; ldr r0, [r1]; lsls r0, r0, #14; bpl
+            start = start.load(2, 1 << 16).halfwords(&[0x6808, 0x4310, 0x6008, 0x6808, 0x0380, 0xd5fc]);
+            (source, divider) = (1 << 22, 8);
+        }
+        // 1 MHz by 192; by 8 for the core, by 4 for USB. str r0, [r1, #4]; then PLLON and PLLRDY, SW and SWS likewise.
+        start = start.load(0, 4 << 24 | source | 3 << 16 | 192 << 6 | divider).halfword(0x6048);
+        start = start.load(2, 1 << 24).halfwords(&[0x6808, 0x4310, 0x6008, 0x6808, 0x0180, 0xd5fc]);
+        start = start.load(2, 2).halfwords(&[0x6888, 0x4310, 0x6088, 0x6888, 0x0700, 0xd5fc]);
+    }
+    if case.entry == Entry::Request {
+        start = start.load(1, VECTOR_TABLE).load(0, ROM).halfword(0x6008);
+    }
+    match case.interrupts {
+        Interrupts::None => {}
+        // 200 cycles: str r0, [r1, #4]; str r0, [r1, #8]; movs r0, #7; str r0, [r1]
+        Interrupts::SysTick => {
+            start = start.load(1, SYSTICK).load(0, 200).halfwords(&[0x6048, 0x6088, 0x2007, 0x6008]);
+        }
+        // Number 55, TIM7: str r0, [r1], twice
+        Interrupts::Peripheral => {
+            start = start.load(0, 1 << (55 - 32)).halfword(MASK_INTERRUPTS);
+            start = start.load(1, NVIC_ENABLE + 4).halfword(0x6008).load(1, NVIC_PEND + 4).halfword(0x6008);
+        }
+    }
+    // ldr r1, [r0]; msr msp, r1; ldr r1, [r0, #4]; bx r1
+    let start = start.load(0, 0x0800_0000).halfwords(&[0x6801, 0xf381, 0x8808, 0x6841, 0x4708]).words();
+    let handler_at = (ROM + 4 * TABLE_WORDS) | 1;
+    let start_at = handler_at + 4 * handler.len() as u32;
+    let table = (0..TABLE_WORDS).map(|place| match place {
+        0 => 0x2000_2000,
+        1 => start_at,
+        _ => handler_at,
+    });
+    table.chain(handler).chain(start).flat_map(u32::to_le_bytes).collect()
+}
+
+/// The far end of USART2.
+#[derive(Debug, Default)]
+struct Line {
+    to_chip: Vec<u8>,
+    from_chip: Vec<(u64, u8)>,
+}
+
+impl Store for Line {}
+
+impl Peer for Line {
+    fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
+        self.from_chip.push((context.now().0, word as u8));
+    }
+
+    fn transmit(&mut self, _: VirtualNanos) -> Option<u16> {
+        (!self.to_chip.is_empty()).then(|| self.to_chip.remove(0).into())
+    }
+}
+
+/// The chip of `lashloop_silicon::chip`, with a choice of what address 0 shows.
+#[derive(Debug)]
+struct Chip {
+    mcu: Stm32f427,
+    at_zero: &'static str,
+}
+
+impl Store for Chip {}
+
+impl Board for Chip {
+    fn name(&self) -> &'static str {
+        "after rom"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32f427"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.mcu)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let core = armv7m::Core {
+            variant: armv7m::Variant::M4,
+            clock_hz: NonZeroU64::new(168_000_000).unwrap(),
+            interrupt_lines: NonZeroU32::new(Operate::cpu(&self.mcu).interrupt_lines.into()).unwrap(),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).unwrap(),
+            instructions_per_second: NonZeroU64::new(168_000_000).unwrap(),
+            boot: self.at_zero,
+        };
+        let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
+        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        vec![Target::new("stm32f427", &mut self.mcu, core)]
+    }
+}
+
+struct Run {
+    case: Case,
+    request_at: u64,
+    has_greeted: bool,
+    has_jumped: bool,
+}
+
+impl Driver<Chip> for Run {
+    fn on_settled(&mut self, session: &mut Session<Chip>, _: &mut dyn Host, settled: Settled) {
+        let Settled::Access { access, .. } = settled else { return };
+        let of_clocks = access.kind == AccessKind::Write && access.address == u64::from(RCC_CR);
+        if !self.case.has_crystal && of_clocks {
+            session.board_mut().mcu.drive_clocks(access.virtual_time, |_, registers, _| {
+                let control = registers.get(rcc::Register::Cr);
+                registers.set(rcc::Register::Cr, rcc::cr::HSEON.set(control, 0));
+            });
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Chip>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        if stop.at.0 < MS && self.case.entry == Entry::Request {
+            host.write(self.request_at, Width::W32, REQUEST).expect("RAM");
+        }
+        if stop.at.0 < HELLO_AT {
+            return Some(VirtualNanos(HELLO_AT));
+        }
+        if !self.has_greeted {
+            self.has_greeted = true;
+            let line: &mut Line = session.board_mut().mcu.usart[1].chip_mut().expect("the line");
+            line.to_chip.extend([0].iter().chain(&*HostMessage::from(Hello::new(7)).frame()));
+        }
+        if stop.at.0 < END {
+            return Some(VirtualNanos(END));
+        }
+        let note = host.read(u64::from(NOTE), Width::W32).expect("RAM");
+        self.has_jumped = note == u64::from(JUMPED);
+        None
+    }
+}
+
+fn image(name: &str) -> Symbols {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
+    Symbols::read(&path).expect("`cargo xtask image` builds the image")
+}
+
+/// What is wrong with a start of an image.
+fn start(image: &Symbols, case: Case) -> Result<(), String> {
+    let mut mcu = Stm32f427::new().expect("models");
+    mcu.rcc.attach_crystals(8_000_000, 0);
+    mcu.set_supply(3_300);
+    mcu.usart[1].attach(Line::default());
+    let at_zero = if case.entry == Entry::Pins { "system" } else { "flash" };
+    let session = Session::new(Box::new(Chip { mcu, at_zero }), 0, VirtualNanos(10)).expect("a chip");
+    let images = [
+        image.image().expect("an image"),
+        Image::new(Path::new("rom"), rom(case), Some(ROM.into())).expect("a ROM"),
+    ];
+    let request_at = image.variable("WORD").expect("the word of the loader");
+    let run = Run { case, request_at, has_greeted: false, has_jumped: false };
+    let ended = emulator::run(session, &Start::new(&images), run).expect("a run");
+    assert_eq!(ended.driver.has_jumped, case.entry != Entry::Reset, "{case:?}: the way through the ROM");
+
+    let mut session = ended.session;
+    if !session.resets().is_empty() {
+        return Err(format!("{:?}", session.resets()));
+    }
+    let line: &mut Line = session.board_mut().mcu.usart[1].chip_mut().expect("the line");
+    let from_chip = std::mem::take(&mut line.from_chip);
+    let bytes: Vec<_> = from_chip.iter().map(|(_, byte)| *byte).collect();
+    let (mut decoder, mut rest) = (Decoder::new(), &bytes[..]);
+    let messages: Vec<_> = std::iter::from_fn(|| decoder.next::<DriveMessage>(&mut rest)).collect();
+    let is_identity = |it: &Result<Numbered<DriveMessage>, _>| {
+        it.as_ref().is_ok_and(|it| matches!(it.message, DriveMessage::Identity(_)))
+    };
+    if !messages.iter().any(is_identity) {
+        return Err(format!("no Identity in {messages:?}"));
+    }
+    let byte_ns = from_chip.windows(2).map(|pair| pair[1].0 - pair[0].0).min().unwrap_or(0) as f64;
+    // The internal oscillator of the model is exact.
+    if (byte_ns - BYTE_NS).abs() < 20.0 { Ok(()) } else { Err(format!("{byte_ns} ns for a byte")) }
+}
+
+#[test]
+fn every_image_answers_at_the_stated_speed_after_every_start() {
+    for name in IMAGES {
+        let image = image(name);
+        for case in [AFTER_RESET].into_iter().chain(cases()) {
+            start(&image, case).unwrap_or_else(|problem| panic!("{name}, {case:?}: {problem}"));
+        }
+    }
+}
+
+#[test]
+fn a_start_fails_without_any_part_of_the_entry() {
+    let without = |image: &Symbols, pieces: &[[u16; 2]]| {
+        pieces.iter().try_fold(image.clone(), |image, [instruction, next]| {
+            let piece = Code::default().halfwords(&[*instruction, *next]);
+            image.with_piece("__pre_init", &piece, &Code::default().halfwords(&[NOTHING, *next]))
+        })
+    };
+    let image = image(IMAGES[0]);
+    let careless = [
+        // Each of them replaces the other: cpsid i, movs r0; str r0, [r1], mvns r2, r0.
+        ("mask and SysTick", without(&image, &[[MASK_INTERRUPTS, 0x2000], [0x6008, 0x43c2]])),
+        ("NVIC", image.with_code("__pre_init", |_| enter_without_nvic())),
+        // str r0, [r1, #4], dsb.
+        ("vector table", without(&image, &[[0x6048, 0xf3bf]])),
+        ("clocks", image.without("clock_tree::reset")),
+    ];
+    for (part, careless) in careless {
+        let careless = careless.unwrap_or_else(|error| panic!("{part}: {error}"));
+        start(&careless, AFTER_RESET).unwrap_or_else(|problem| panic!("without {part}: {problem}"));
+        let failed = cases().into_iter().find(|case| start(&careless, *case).is_err());
+        println!("without {part}: {failed:?}");
+        assert!(failed.is_some(), "no start needs {part}");
+    }
+}
+
+/// Interrupts masked, SysTick off, and the vector table set.
+fn enter_without_nvic() -> Code {
+    // cpsid i; movs r0, #0; str r0, [r1]; the table is at the start of the flash: str r0, [r1]; bx lr
+    let code = Code::default().halfword(MASK_INTERRUPTS).load(1, SYSTICK).halfwords(&[0x2000, 0x6008]);
+    code.load(1, VECTOR_TABLE).load(0, 0x0800_0000).halfwords(&[0x6008, RETURN])
+}
