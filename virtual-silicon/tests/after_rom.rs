@@ -1,4 +1,4 @@
-//! The image after a jump from the boot loader in the ROM, which is no reset: it answers, at the stated speed.
+//! The image after a jump from the boot loader in the ROM: it answers, at the stated speed.
 //!
 //! A stand-in for the ROM lies at its address: a vector table whose exceptions all enter one handler, and a start that leaves the
 //! chip as a loader may leave it, loads stack pointer and program counter from the flash, and jumps, once. There are two ways into

@@ -1,6 +1,6 @@
 //! The first instructions: the processor as after a reset, however the image was entered.
 //!
-//! A boot loader enters the image by a jump, which is no reset (ST AN3155, AN3156). It leaves its own vector table in force, and
+//! A boot loader enters the image by a jump, not by a reset (ST AN3155, AN3156). It leaves its own vector table in force, and
 //! may leave SysTick running and interrupts unmasked or pending. The first of them would end in the loader's handler, or in one of
 //! ours before memory is initialised. [`clock_tree`](super::clock_tree) does the same for the clocks.
 
