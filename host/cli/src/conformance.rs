@@ -33,6 +33,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     list: bool,
 
+    /// Let a drive with bench mode run on its own encoders too: its power stage comes on, with next to no torque
+    #[arg(long)]
+    bench_mode: bool,
+
     #[command(flatten)]
     line: BaudOption,
 
@@ -59,6 +63,7 @@ impl Arguments {
             results: Vec::new(),
             supervisor: &supervisor,
             is_silent: self.json,
+            allows_bench_mode: self.bench_mode,
         };
         let signals = supervisor.guard_signals();
         let ended = conformance::run(link, session_number(), &mut printer);
@@ -154,6 +159,7 @@ struct Printer<'a> {
     supervisor: &'a Supervisor,
     /// Whether the results are printed at the end instead.
     is_silent: bool,
+    allows_bench_mode: bool,
 }
 
 impl Reporter for Printer<'_> {
@@ -179,6 +185,10 @@ impl Reporter for Printer<'_> {
             CheckStatus::NotJudged { cause } => outln!("NOT JUDGED  {rules}  {group}: {name}; {cause}"),
             CheckStatus::Skipped { reason } => outln!("SKIPPED     {rules}  {group}: {name}; {reason}"),
         }
+    }
+
+    fn allows_bench_mode(&self) -> bool {
+        self.allows_bench_mode
     }
 
     fn is_interrupted(&self) -> bool {

@@ -44,6 +44,8 @@ pub(super) struct Client {
     /// What no drive can have, in words.
     pub(super) defects: Vec<String>,
     pub(super) arrivals: Arrivals,
+    /// Whether the drive may turn its power stage on.
+    pub(super) allows_bench_mode: bool,
     /// Whether the drive loses requests of one write, so that each is sent alone.
     pub(super) sends_alone: bool,
     /// Answers that arrived before the last requests of a call were sent.
@@ -98,6 +100,7 @@ impl Client {
             description,
             defects,
             arrivals,
+            allows_bench_mode: false,
             sends_alone: false,
             early: VecDeque::new(),
             overdue: 0,

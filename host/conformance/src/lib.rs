@@ -15,6 +15,7 @@
 //! | `aftermath` | what earlier messages and runs leave behind |
 //! | `growth` | requests, bodies and values of a newer host, numbers, names |
 //! | `pins` | the options: bench mode and boot loader, as far as they need no hardware |
+//! | `bench_mode` | runs on the drive's own encoders, if the host allows them |
 //! | `line` | the line report |
 //! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
@@ -39,6 +40,7 @@ mod aftermath;
 mod answers;
 mod arrivals;
 mod assertion;
+mod bench_mode;
 mod burst;
 mod check;
 mod client;
@@ -98,6 +100,11 @@ pub trait Reporter {
         true
     }
 
+    /// Whether the drive may run in bench mode, on its own encoders and with its power stage on.
+    fn allows_bench_mode(&self) -> bool {
+        false
+    }
+
     /// Whether to end before the next check.
     fn is_interrupted(&self) -> bool {
         false
@@ -112,6 +119,7 @@ pub trait Reporter {
 /// consecutive checks. A single missing answer fails its check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
+    client.allows_bench_mode = reporter.allows_bench_mode();
     reporter.connected(&client.identity);
     let mut judge = Judge::new(&mut client);
     for (group, check) in all_checks() {
@@ -159,6 +167,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("aftermath", aftermath::checks()),
         ("growth", growth::checks()),
         ("pins", pins::checks()),
+        ("bench_mode", bench_mode::checks()),
         ("line", line::checks()),
         ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),

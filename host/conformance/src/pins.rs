@@ -34,7 +34,7 @@ const PARAMETERS: [(&str, ParameterType); 9] = [
 ];
 /// Choices of `sample_source`, from 0.
 const SOURCES: [&str; 2] = ["link", "pins"];
-const PINS: ParameterValue = ParameterValue::U32(1);
+pub(super) const PINS: ParameterValue = ParameterValue::U32(1);
 /// Least and largest details of the refusals by the hardware.
 const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 2]), (EncoderImplausible, [1, 5])];
 
@@ -47,7 +47,7 @@ pub(super) fn checks() -> Vec<Check> {
     ]
 }
 
-fn has(client: &Client, capability: Capabilities) -> bool {
+pub(super) fn has(client: &Client, capability: Capabilities) -> bool {
     client.identity.capabilities.contains(capability)
 }
 
@@ -89,7 +89,7 @@ fn reference(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
-fn refuses_reference(client: &mut Client, reference: Reference, state: State) -> RuleResult {
+pub(super) fn refuses_reference(client: &mut Client, reference: Reference, state: State) -> RuleResult {
     let answers = client.request(reference)?;
     if answers.is_empty() && !has(client, Capabilities::BENCH_MODE) {
         return equal("state after a Reference", state, client.state);
@@ -141,7 +141,7 @@ fn arming(client: &mut Client) -> RuleResult {
 }
 
 /// Arms, and requires an outcome of the page with its detail.
-fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
+pub(super) fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
     let session = client.session;
     let answers = client.request(Arm { session })?;
     equal("answers to Arm in bench mode", vec!["CommandResult"], names(&answers))?;
