@@ -58,7 +58,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.handshake(client.session ^ 2)?;
             in_force(client, "in new sessions in Idle", &kept, Idle)
         }),
-        check("R6.8 R9.6", "a run keeps every parameter, and Idle accepts settings again", run),
+        check("R6.8 R9.6 R10.13", "a run keeps every parameter, and Idle accepts settings again", run),
     ]
 }
 
