@@ -1,6 +1,6 @@
 //! Several requests in one write, which most of the other checks send.
 
-use lashloop_protocol::message::GetParameter;
+use lashloop_protocol::message::{DescribeParameter, GetParameter};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::answers::sample;
@@ -39,6 +39,10 @@ fn two_writes(client: &mut Client) -> RuleResult {
         _ => None,
     });
     equal("indices of the reports", indices.map(Some).collect::<Vec<_>>(), reported.collect())?;
+    // The longest answers.
+    let reads = vec![DescribeParameter { index: 0 }.into(); MOST_REQUESTS - 1];
+    let described = client.burst(&reads)?;
+    equal("answers to DescribeParameter", vec!["ParameterDescription"; reads.len()], names(&described))?;
     let samples: Vec<HostMessage> =
         (0..(MOST_BYTES - READ) / SAMPLE).map(|sequence| sample(sequence as u16).into()).collect();
     let answers = client.burst(&samples)?;

@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{GetParameter, Stop};
 use lashloop_protocol::parameter_names::WATCHDOG_US;
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use super::answers::{counted, line_report, sample};
 use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
@@ -18,9 +18,10 @@ use super::words::Words;
 /// Time for which nothing may be sent, and in `Faulted`.
 const QUIET: Duration = Duration::from_millis(30);
 const QUIET_IN_FAULTED: Duration = Duration::from_secs(1);
-/// Watchdogs whose product with 1000 ns, or with the cycles of a processor of 168, 200, 240 or 480 MHz, exceeds 32 bits by next to
+/// Watchdogs that exceed 16 and 24 bits by 2 ms; those whose product with 1000 ns, or with the cycles of a processor of 168, 200, 240 or 480 MHz, exceeds 32 bits by next to
 /// nothing, and the longest one of every drive.
-const LONG_WATCHDOGS_US: [u32; 6] = [4_294_968, 25_565_282, 21_474_837, 17_895_698, 8_947_849, 30_000_000];
+const LONG_WATCHDOGS_US: [u32; 8] =
+    [67_536, 16_779_216, 4_294_968, 25_565_282, 21_474_837, 17_895_698, 8_947_849, 30_000_000];
 /// Silence much shorter than these.
 const SILENCE: Duration = Duration::from_millis(15);
 /// Time over which device time is measured.
@@ -42,12 +43,12 @@ const DAMAGED: [u8; 2] = [1, 0];
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4.2 R8.3", "without a request nothing but a Log is sent in any state", |client| {
+        check("R1.1 R4.2 R8.3", "in a pause of a frame nothing but a Log is sent in any state", |client| {
             State::ALL.iter().try_for_each(|state| quiet(client, *state))
         }),
         check("R4.18 R4.19 R8.5", "device time passes as the time of the bench does", pace),
         check("R8.5 R8.7 R8.10", "a long watchdog does not trip early", long_watchdogs),
-        check("R2.7 R4.15", "more than 65536 messages and damaged frames are counted", many),
+        check("R2.3 R2.7 R4.15", "more than 65536 messages and damaged frames are counted", many),
     ]
 }
 
@@ -57,11 +58,16 @@ fn quiet(client: &mut Client, state: State) -> RuleResult {
     if state == State::Running {
         first_sample(client)?;
     }
+    // A frame has no time to end in.
+    let read = client.frame(GetParameter { index: 0 });
+    let (first, rest) = read.split_at(read.len() / 2);
+    client.send_bytes(first)?;
     let limit = if state == State::Faulted { QUIET_IN_FAULTED } else { QUIET };
     let unasked =
         client.wait_for(limit, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
     equal(&format!("in {state} without a request, message other than a Log"), None, unasked)?;
-    client.request_bytes(&[])?;
+    let answers = client.request_bytes(rest)?;
+    equal(&format!("in {state}, to a frame with a pause in it"), vec!["ParameterReport"], names(&answers))?;
     equal("state afterwards", state, client.state)
 }
 
@@ -108,6 +114,8 @@ fn many(client: &mut Client) -> RuleResult {
     client.request(Stop {})?;
     let part = [&framed(&UNANSWERED)[..], &DAMAGED].concat().repeat(MANY / PARTS as usize);
     let started = client.line.now();
+    // Of a length that 16 bits don't count, with a request at its end.
+    client.send_bytes(&[&vec![0x55; 1 << 16][..], &*HostMessage::from(Stop {}).frame()].concat())?;
     for sent in 1..=PARTS {
         client.send_bytes(&part)?;
         client.request_bytes(&[])?;
@@ -118,5 +126,5 @@ fn many(client: &mut Client) -> RuleResult {
     }
     // The markers after Start, Stop and each part, and both Stops.
     let counts = line_report(&client.request(Stop {})?)?;
-    equal("line report", counted(MANY as u32 + PARTS + 4, MANY as u32, 0), counts)
+    equal("line report", counted(MANY as u32 + PARTS + 4, MANY as u32 + 1, 0), counts)
 }

@@ -190,6 +190,10 @@ fn minor(client: &mut Client) -> RuleResult {
         let wanted = (client.session, client.identity.minor_version, State::Idle);
         let got = (it.session, it.minor_version, it.state);
         equal(&format!("{what}: session, minor version, state"), wanted, got)?;
+        let mut body = damage::body(&client.frame(Hello { minor_version, ..hello(client.session) }));
+        body.push(0x5a);
+        let answers = client.request_bytes(&framed(&body))?;
+        equal(&format!("{what} with a further byte"), vec!["Identity"], names(&answers))?;
         let answers = client.request(Hello { minor_version, ..of_version(0, client.session) })?;
         equal("to Hello of version 0", vec!["Identity", "CommandResult"], names(&answers))?;
     }

@@ -29,7 +29,15 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-const OTHER_VERSIONS: [u8; 4] = [0, PROTOCOL_VERSION.wrapping_add(1), 1 << 7, u8::MAX];
+/// Those with a further bit too.
+const OTHER_VERSIONS: [u8; 6] = [
+    0,
+    PROTOCOL_VERSION.wrapping_add(1),
+    PROTOCOL_VERSION | 1 << 4,
+    PROTOCOL_VERSION | 1 << 7,
+    1 << 7,
+    u8::MAX,
+];
 
 fn fields(client: &mut Client) -> RuleResult {
     let it = client.handshake(client.session)?;

@@ -17,7 +17,9 @@ const MOST_UNKNOWN: usize = 11;
 pub(super) fn beyond(client: &Client, count: u8, last: u8) -> Vec<u8> {
     let free = usize::from(last.saturating_sub(count)) + 1;
     let step = free.div_ceil(client.repetitions(MOST_UNKNOWN));
-    (count..=last).step_by(step).chain([last]).filter(|index| *index >= count).collect()
+    // Of seven bits the indices 128 and 129 would be 0 and 1.
+    let spread = (count..=last).step_by(step).chain([128, 129, last]);
+    spread.filter(|index| (count..=last).contains(index)).collect()
 }
 
 /// Whether a value has the type of a parameter and lies within its range.

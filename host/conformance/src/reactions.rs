@@ -3,14 +3,15 @@
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, FaultReport, TorqueAnswer};
+use lashloop_protocol::wire::Payload;
 
-use super::answers::{fault, hello, outcome, sample, torque};
+use super::answers::{command_result, fault, hello, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, expect, names, preparation};
 use super::client::Client;
 
-/// Requires torque zero, this state and no flags.
+/// Requires torque zero, this state and no flags, and nothing after it.
 pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> RuleResult {
-    let answers = client.request_one(sample(sequence))?;
+    let answers = client.request(sample(sequence))?;
     equal(&format!("to sample {sequence} in {state:?}"), vec!["TorqueAnswer"], names(&answers))?;
     let it = torque(&answers)?;
     let wanted = (sequence, 0.0, state, TorqueFlags::empty());
@@ -53,8 +54,13 @@ pub(super) fn refused(client: &mut Client, sample: EncoderSample) -> RuleResult 
     let sequence = sample.sequence;
     let answers = client.request_one(sample)?;
     equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
-    let got = (outcome::<EncoderSample>(&answers)?, client.state);
-    equal(&format!("to sample {sequence} outcome and state"), (Outcome::OutOfSequence, State::Running), got)
+    let it = command_result(&EncoderSample::LAYOUT, &answers)?;
+    let wanted = (Outcome::OutOfSequence, State::Running, 0);
+    equal(
+        &format!("to sample {sequence} outcome, state and detail"),
+        wanted,
+        (it.outcome, it.state, it.detail),
+    )
 }
 
 /// Requires the answers to a sample that latches a fault: zero torque without flags, then the report.

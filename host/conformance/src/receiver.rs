@@ -113,6 +113,9 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("R2.5 R2.7", "a frame of a kind that no host sends is refused", |client| {
             let frames = foreign();
+            counts(client, &frames, 0, frames.len())?;
+            // More than a byte counts.
+            let frames = vec![framed(&[0x80]); client.repetitions(300)];
             counts(client, &frames, 0, frames.len())
         }),
         check("R2.5 R2.7", "a request that is too short is refused", |client| {

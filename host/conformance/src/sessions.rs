@@ -80,7 +80,8 @@ fn every_number(client: &mut Client) -> RuleResult {
 
 fn one_bit(client: &mut Client) -> RuleResult {
     let session = client.session;
-    let others = || (0..u32::BITS).map(move |bit| session ^ 1 << bit);
+    let bits = move || (0..u32::BITS).map(move |bit| session ^ 1 << bit);
+    let others = || bits().chain([0, u32::MAX]).filter(|other| *other != session);
     client.long_watchdog()?;
     let arms: Vec<_> = others().map(|session| result(Arm { session }, WrongSession, Idle)).collect();
     client.exchange("in Idle", &arms)?;

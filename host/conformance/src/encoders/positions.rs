@@ -45,11 +45,16 @@ pub(super) fn checks() -> Vec<Check> {
         ),
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
             each_way(client, HALF / 2, 3 * HALF)?;
-            // The bounds of a position in 26 and 27 bits, or in 32 bits with six or five of a fraction.
-            for bound in [4 * HALF, 8 * HALF] {
+            // The bounds of a position in 26, 27, 28 and 31 bits, or in 32 bits with some of a fraction.
+            let bounds = [4, 8, 16, 128].map(|halves| halves * HALF);
+            for bound in &bounds[..client.repetitions(bounds.len()).max(2)] {
                 for encoder in Encoder::BOTH {
                     let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, bound + more));
-                    alike(client, encoder, &further?, &earlier?)?;
+                    match (further, earlier) {
+                        // The way there takes too many samples.
+                        (Err(Failure::Skipped { .. }), _) if *bound > 8 * HALF => return Ok(()),
+                        (further, earlier) => alike(client, encoder, &further?, &earlier?)?,
+                    }
                 }
             }
             Ok(())

@@ -2,6 +2,7 @@
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::message::ClearFault;
 
 use super::encoder::{Encoder, placed};
 use super::setup::{ROUNDING, Scale, Setup};
@@ -53,11 +54,14 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name = format!("a {} encoder that jumps is a fault", encoder.name);
         check("R5.2 R7.14 R7.16 R9.6 R9.12", name, move |client| {
-            // Other settings have another effect.
+            // Other settings have another effect, in the next run too.
             jump(client, &Setup::other(client)?, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
             let setup = Setup::coarse(client)?;
+            client.command(ClearFault {})?;
+            jump(client, &setup, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
             for periods in periods(&setup) {
                 for (start, sign) in [(0, 1), (0, -1), (STARTS[1], 1), (STARTS[2], -1)] {
+                    client.reset()?;
                     jump(client, &setup, encoder, Jump { start, sign, periods })?;
                 }
             }
@@ -110,7 +114,6 @@ fn jump(client: &mut Client, setup: &Setup, encoder: Encoder, jump: Jump) -> Rul
     let Jump { start, sign, periods } = jump;
     let scale = setup.scale(encoder);
     let counts = scale.fewest_counts(periods)?;
-    client.reset()?;
     setup.start(client)?;
     // Two slow steps, and then the jump.
     for (sequence, from) in [(0, start), (1, start + sign), (2, start)] {

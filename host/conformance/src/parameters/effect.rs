@@ -1,5 +1,6 @@
 //! Whether a value that a drive accepted has an effect.
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::{Arm, EncoderSample, Stop, TorqueAnswer};
 use lashloop_protocol::parameter_names::CONTROLLER;
@@ -7,24 +8,34 @@ use lashloop_protocol::wire::Payload;
 
 use lashloop_session::Parameter;
 
-use super::super::answers::{outcome, sample, torque};
+use super::super::answers::{outcome, torque};
 use super::super::assertion::{Failure, RuleResult, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::range::{neighbour, within};
+use super::super::words::Words;
 use super::values::set_live;
 
 /// Samples of a run that shows the effect of a live parameter.
 const STEPS: u16 = 14;
 /// Live parameters that are tried, fewer on a slow line.
 const MOST_LIVE: usize = 8;
-/// Last sample before a setting in `Running`.
+/// Last sample before a setting in `Running`, and the first one after it.
 const BEFORE: u16 = 10;
+const AFTER: u16 = BEFORE + 1;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R9.5", "a live parameter set in Armed has the effect of one set in Idle", live_in_armed),
-        check("R9.5", "a live parameter set in Running has an effect from the next sample", live_in_running),
+        check(
+            "R9.5",
+            "a live parameter set before the first sample has the effect of one set in Idle",
+            live_in_armed,
+        ),
+        check(
+            "R7.3 R7.17 R9.5",
+            "a live parameter set in Running has an effect from the next sample",
+            live_in_running,
+        ),
     ]
 }
 
@@ -34,8 +45,15 @@ enum Set {
     Never,
     InIdle,
     InArmed,
+    /// In `Running`, before the first sample.
+    AtFirst,
     InRunning,
+    /// As [`Self::InRunning`], and back to the default one sample later.
+    AndBack,
 }
+
+/// Sample from which both encoders move by a count each, which is never a jump.
+const MOVING: u16 = 2;
 
 /// Torques of a run, as bits, and the value of the parameter after its `Stop`; `None` if the value contradicts the others.
 type Run = Option<(Vec<u32>, ParameterValue)>;
@@ -60,15 +78,28 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
         return Ok(None);
     }
     client.start()?;
+    if when == Set::AtFirst && set_live(client, it, value)? != value {
+        return Ok(None);
+    }
     let mut torques = Vec::new();
     for sequence in 0..STEPS {
         let reference_rad = 0.5 + 0.125 * f32::from(sequence);
-        let sample = EncoderSample { reference_rad, ..sample(sequence) };
+        let counts = EncoderCounts::wrapping(sequence.saturating_sub(MOVING - 1).into());
+        let sample = EncoderSample { sequence, motor_counts: counts, load_counts: counts, reference_rad };
         let answers = client.request_to(sample, TorqueAnswer::LAYOUT.name)?;
-        torques.push(torque(&answers)?.torque_nm.to_bits());
-        if when == Set::InRunning && sequence == BEFORE && set_live(client, it, value)? != value {
+        let torque_nm = torque(&answers)?.torque_nm;
+        torques.push(torque_nm.to_bits());
+        let new = match (when, sequence) {
+            (Set::InRunning | Set::AndBack, BEFORE) => value,
+            (Set::AndBack, AFTER) => it.default,
+            _ => continue,
+        };
+        if set_live(client, it, new)? != new {
             return Ok(None);
         }
+        let again = torque(&client.request_to(sample, TorqueAnswer::LAYOUT.name)?)?.torque_nm;
+        let what = format!("torque in N m of the repeated sample after {} was set", it.name);
+        equal(&what, torque_nm.words(), again.words())?;
     }
     client.request(Stop {})?;
     Ok(Some((torques, client.get(it.index)?.value)))
@@ -88,30 +119,48 @@ fn live(client: &Client) -> Result<Vec<(Parameter, ParameterValue)>, Failure> {
 fn live_in_armed(client: &mut Client) -> RuleResult {
     for (it, value) in live(client)? {
         let Some((wanted, _)) = run(client, &it, value, Set::InIdle)? else { continue };
-        let Some((got, kept)) = run(client, &it, value, Set::InArmed)? else { continue };
-        let what = format!("{} = {value} set in Armed:", it.name);
-        equal(&format!("{what} torques, as bits, as if set in Idle,"), wanted, got)?;
-        equal(&format!("{what} value after Stop"), value, kept)?;
+        for (when, words) in [(Set::InArmed, "in Armed"), (Set::AtFirst, "in Running before sample 0")] {
+            let Some((got, kept)) = run(client, &it, value, when)? else { continue };
+            let what = format!("{} = {value} set {words}:", it.name);
+            equal(&format!("{what} torques, as bits, as if set in Idle,"), wanted.clone(), got)?;
+            equal(&format!("{what} value after Stop"), value, kept)?;
+        }
     }
     Ok(())
 }
 
 fn live_in_running(client: &mut Client) -> RuleResult {
     for (it, value) in live(client)? {
-        let runs = [Set::Never, Set::InIdle, Set::InRunning].map(|when| run(client, &it, value, when));
-        let [never, first, later] = runs;
-        let (Some((never, _)), Some((first, _)), Some((later, kept))) = (never?, first?, later?) else {
+        let runs = [Set::Never, Set::InIdle, Set::InRunning, Set::AndBack];
+        let [never, first, later, back] = runs.map(|when| run(client, &it, value, when));
+        let (Some((never, _)), Some((first, _)), Some((later, kept)), Some((back, restored))) =
+            (never?, first?, later?, back?)
+        else {
             continue;
         };
-        let next = usize::from(BEFORE) + 1;
+        let next = usize::from(AFTER);
         let name = &it.name;
         let what = format!("torques before {name} was set, as bits,");
         equal(&what, never[..next].to_vec(), later[..next].to_vec())?;
-        equal(&format!("{name} = {value} set in Running: value after Stop"), value, kept)?;
-        // A value with an effect on the first torque and on this one has it from the next sample on.
-        if first[0] != never[0] && first[next] != never[next] {
+        let what = format!("{name} = {value} set in Running, and then its default: values after Stop");
+        equal(&what, (value, it.default), (kept, restored))?;
+        let Some((same, _)) = run(client, &it, it.default, Set::InRunning)? else { continue };
+        equal(
+            &format!("torques of a run in which {name} is set to its own value, as bits,"),
+            never.clone(),
+            same,
+        )?;
+        // A value with an effect on the first torque, or on the first one of a motion, has it from the next sample on.
+        let moving = usize::from(MOVING);
+        let acts_at_once = (0..=moving).find(|step| first[*step] != never[*step]);
+        if acts_at_once.is_some_and(|step| step == 0 || step == moving) && first[next] != never[next] {
             let expected = format!("another torque at the sample after {name} = {value} was set in Running");
             expect(later[next] != never[next], expected, "that of the value before")?;
+            if later[next + 1] != never[next + 1] {
+                let expected =
+                    format!("another torque at the sample after {name} was set to its default again");
+                expect(back[next + 1] != later[next + 1], expected, "that of the value before")?;
+            }
         }
     }
     Ok(())

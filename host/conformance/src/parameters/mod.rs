@@ -10,14 +10,14 @@ use std::collections::HashSet;
 
 use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
 use lashloop_protocol::parameter_names::{
-    CONTROLLER, LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, REQUIRED, TORQUE_LIMIT_NM,
+    CONTROLLER, LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, REQUIRED, TORQUE_LIMIT_NM, WATCHDOG_US,
 };
 
 use super::assertion::{RuleResult, equal, expect};
 use super::check::{Check, check};
 use super::client::Client;
 use super::exchanges::{reads, sets};
-use super::range::holds;
+use super::range::{holds, in_type_of};
 use super::words::Words;
 use values::each;
 
@@ -32,7 +32,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check(
             "R9.10 R9.12",
-            "parameters with a reserved name have the type of the name, and all laws",
+            "parameters with a reserved name have the type and the range of the name, and all laws",
             reserved,
         ),
         check("R9.9", "every parameter name is unique", |client| {
@@ -88,6 +88,12 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
+/// Names whose ranges every drive has at least.
+const LEAST_RANGES: [(&str, [ParameterValue; 2]); 2] = [
+    (WATCHDOG_US, [ParameterValue::U32(10_000), ParameterValue::U32(30_000_000)]),
+    (TORQUE_LIMIT_NM, [ParameterValue::F32(0.0), ParameterValue::F32(1.0)]),
+];
+
 /// A warning of names that a scenario, which is TOML, must quote.
 pub(super) fn foreign_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let is_bare =
@@ -112,6 +118,12 @@ fn reserved(client: &mut Client) -> RuleResult {
             format!("{name} in {laws} of {laws} laws"),
             it.laws.0,
         )?;
+    }
+    for (name, values) in LEAST_RANGES {
+        let it = client.parameter(name)?;
+        for value in values.map(|value| in_type_of(it, value)) {
+            expect(holds(it, value), format!("{name}: a range with {value}"), (it.min, it.max))?;
+        }
     }
     if client.description.laws.len() > 1 {
         let it = client.parameter(CONTROLLER)?;

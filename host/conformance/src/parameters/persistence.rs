@@ -29,10 +29,17 @@ pub(super) fn checks() -> Vec<Check> {
             client.idle()?;
             // In both directions, so that no setting hides that it changed another parameter too.
             let (rising, falling) = (spread(client, 0), spread(client, 7));
-            set_all(client, &rising, false)?;
-            in_force(client, "after all were set in ascending order", &rising, Idle)?;
-            set_all(client, &falling, true)?;
-            in_force(client, "after all were set in descending order", &falling, Idle)
+            for (values, descending) in [(rising, false), (falling, true)] {
+                set_all(client, &values, descending)?;
+                let order = if descending { "descending" } else { "ascending" };
+                in_force(client, &format!("after all were set in {order} order"), &values, Idle)?;
+                // The drive may find them inconsistent, and its pins not ready.
+                let session = client.session;
+                client.request(Arm { session })?;
+                client.request(Stop {})?;
+                in_force(client, "after Arm and Stop", &values, Idle)?;
+            }
+            Ok(())
         }),
         check("R4.3 R6.8", "a reset restores the default of every parameter", |client| {
             client.idle()?;

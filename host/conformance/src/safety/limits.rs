@@ -61,11 +61,16 @@ fn limited(client: &mut Client) -> RuleResult {
             let expected = format!("{what}, limit {above_nm} N m: {free_nm} N m, no flags");
             expect(is_free, expected, same)?;
         }
-        for limit_nm in [free_nm.abs() / 2.0, free_nm.abs() / 16.0, 0.0] {
+        for limit_nm in [0.995 * free_nm.abs(), free_nm.abs() / 2.0, free_nm.abs() / 16.0, 0.0] {
             let answer = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
             let wanted = (limit_nm.copysign(free_nm), State::Running, TorqueFlags::SATURATED);
             let got = (answer.torque_nm, answer.status.state, answer.status.flags);
             equal(&format!("{what}, limit {limit_nm} N m: torque in N m, state and flags"), wanted, got)?;
+            // The flag ends with the limitation.
+            let next = torque(&client.request_one(EncoderSample { reference_rad: 0.0, ..sample(1) })?)?;
+            let is_saturated = next.status.flags == TorqueFlags::SATURATED;
+            let expected = format!("at {limit_nm} N m, and at no smaller torque, SATURATED");
+            expect(!is_saturated || next.torque_nm.abs() == limit_nm, expected, next)?;
         }
     }
     // A torque of zero is not clamped by a limit of zero.

@@ -141,7 +141,7 @@ fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) 
         client.request(ClearFault {})?;
     }
     for (_, _, feed) in FEEDS {
-        for count in 0..2 {
+        for count in 0..4 {
             let answers = client.request_bytes(&feed(client, count))?;
             found = found.or(answers.iter().find_map(fault_report));
         }
@@ -189,6 +189,8 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
     let latest = (LONGER + LATEST).mul_f64(1.0 + CLOCK_TOLERANCE) + TRANSPORT;
     for attempt in 1.. {
         start_with(client, LONGER)?;
+        // The silence counts from the last sample, not from the first.
+        client.wait_for(WATCHDOG.mul_f64(1.5), |_| None::<()>)?;
         accepted(client, sample(1), TorqueFlags::empty())?;
         let before = client.line.now();
         accepted(client, sample(2), TorqueFlags::empty())?;
@@ -230,7 +232,8 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
                 client.wait_for(watchdog.mul_f64(0.6), |_| None::<()>)?;
             }
             let earlier = std::mem::replace(&mut sent, client.line.now());
-            client.torque(sequence)?;
+            // The last ones after gaps.
+            client.torque(sequence + sequence.saturating_sub(QUICK))?;
             longest = longest.max(client.line.now().saturating_duration_since(earlier));
         }
         if client.state == State::Running {
@@ -256,11 +259,14 @@ const FEEDS: [(&str, &str, Feed); 5] = [
         [framed(&[0x41, 0, 1, 1]), framed(&[0x1c, 1, 1])].concat()
     }),
     ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
-        if !count.is_multiple_of(2) {
-            return DriveMessage::from(counted(0, 0, 0)).frame().to_vec();
-        }
         let mut bytes = frame(sample(3));
-        bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 };
+        match count % 4 {
+            0 => bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 },
+            1 => return DriveMessage::from(counted(0, 0, 0)).frame().to_vec(),
+            // Not COBS; and too long, after a delimiter.
+            2 => return vec![9, 9, DELIMITER],
+            _ => bytes = [&[DELIMITER][..], &[5; 70]].concat(),
+        }
         bytes.push(DELIMITER);
         bytes
     }),

@@ -2,9 +2,9 @@
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{EncoderSample, Stop};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
 
-use super::super::answers::{outcome, sample, torque};
+use super::super::answers::{fault, outcome, sample, torque};
 use super::super::assertion::{RuleResult, equal, expect, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
@@ -22,12 +22,18 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R7.19 R7.7", "a sample before the start has no effect on the run", |client| {
+        check("R7.19 R7.7 R8.4", "a sample before the start has no effect on the run", |client| {
             let setup = Setup::coarse(client)?;
             setup.start(client)?;
             let fresh = first_sample(client)?;
+            for sequence in [1, 2] {
+                accepted(client, sample(sequence), TorqueFlags::empty())?;
+            }
             client.command(Stop {})?;
             odd_samples(client, State::Idle)?;
+            let report = fault(&client.request(EmergencyStop {})?)?;
+            equal("last sample accepted, in the report of an EmergencyStop", 2, report.sequence)?;
+            client.command(ClearFault {})?;
             client.arm()?;
             odd_samples(client, State::Armed)?;
             client.start()?;
@@ -57,9 +63,10 @@ fn odd_samples(client: &mut Client, state: State) -> RuleResult {
         (1, far, 1.0),
         (40_000, far, -1.0),
         (40_001, EncoderCounts::default(), f32::NAN),
+        (u16::MAX, far, 0.0),
     ] {
         let odd = EncoderSample { sequence, motor_counts: counts, load_counts: counts, reference_rad };
-        let answers = client.request_one(odd)?;
+        let answers = client.request(odd)?;
         equal(&format!("to sample {sequence} in {state:?}"), vec!["TorqueAnswer"], names(&answers))?;
         let it = torque(&answers)?;
         let wanted = (sequence, 0.0, state, TorqueFlags::empty());

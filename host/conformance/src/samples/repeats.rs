@@ -4,7 +4,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, Stop, TorqueAnswer};
 
-use super::super::answers::{sample, torque};
+use super::super::answers::{hello, sample, torque};
 use super::super::assertion::{RuleResult, equal, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
@@ -19,6 +19,8 @@ pub(super) fn checks() -> Vec<Check> {
             for sequence in 0..3 {
                 let first = accepted(client, sample(sequence), TorqueFlags::empty())?;
                 (0..3).try_for_each(|_| repeated(client, sample(sequence), first))?;
+                client.request(hello(client.session))?;
+                repeated(client, sample(sequence), first)?;
             }
             Ok(())
         }),

@@ -5,8 +5,10 @@ mod refusals;
 pub(super) mod subscription;
 mod values;
 
-use lashloop_protocol::enums::{FaultCode, State};
+use lashloop_protocol::enums::{FaultCode, ParameterValue, State};
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
+
+use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 
 use super::answers::other;
 use super::answers::{hello, sample};
@@ -84,6 +86,13 @@ pub(super) fn checks() -> Vec<Check> {
             carries(client, 0, signals.count_ones())?;
             follows(client, 1, TORQUE)?;
             carries(client, 2, signals.count_ones())
+        }),
+        check("R11.2", "telemetry follows a limited torque too", |client| {
+            let signals = signals(client)?;
+            client.idle()?;
+            accepted(client, signals, 1)?;
+            client.running_if_consistent(&[(TORQUE_LIMIT_NM, ParameterValue::F32(0.0))])?;
+            (0..3).try_for_each(|sequence| carries(client, sequence, signals.count_ones()))
         }),
         check("R11.7", "a subscription while running replaces the former from the next sample", replaced),
     ];

@@ -165,6 +165,11 @@ fn lacking(client: &mut Client) -> RuleResult {
             of_other_law(client, Arm { session }, Idle, &lacked)?;
         }
     }
+    // Beside a signal that the law has.
+    let own = law_signals(client, law).last().map_or(0, |index| 1 << index);
+    accepted(client, signals | own, 1)?;
+    of_other_law(client, Arm { session }, Idle, &lacked)?;
+    accepted(client, signals, 1)?;
     // The refusal lets the counts of the receiver continue, and keeps the values of parameters.
     let after = line_report(&client.request(Stop {})?)?;
     let went_on = after.messages > before.messages;
@@ -183,14 +188,16 @@ fn lacking(client: &mut Client) -> RuleResult {
     client.request(EmergencyStop {})?;
     client.exchange("in Faulted", &[result(Arm { session }, WrongState, Faulted)])?;
     client.request(ClearFault {})?;
-    accepted(client, 0, 0)?;
+    let own = law_signals(client, law).first().map_or(0, |index| 1 << index);
+    accepted(client, own, 3)?;
     client.arm()?;
     for every in [0, 1] {
         of_other_law(client, Subscribe { signals, every }, Armed, &lacked)?;
     }
     client.start()?;
     of_other_law(client, Subscribe { signals, every: 1 }, Running, &lacked)?;
-    follows(client, 0, TORQUE)?;
+    subscribed(client, 0, own)?;
+    (1..3).try_for_each(|sequence| follows(client, sequence, TORQUE))?;
     client.exchange("in Running", &[result(Subscribe { signals: 0, every: 1 }, Accepted, Running)])
 }
 

@@ -1,9 +1,10 @@
 //! The values of telemetry: one for each signal, in order, of the sample itself.
 
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::{EncoderSample, Stop};
 
 use super::super::answers::{sample, telemetry, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::words::{Bits, Words};
@@ -141,10 +142,21 @@ fn requested_torque(client: &mut Client) -> RuleResult {
     accepted(client, 1 << index, 1)?;
     client.running(&[])?;
     let limit_nm = client.real("torque_limit_nm")?;
+    let mut first = None;
     (0..).zip(REFERENCES_RAD).try_for_each(|(sequence, reference_rad)| {
         let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
         let wanted_nm = telemetry(&answers)?.values.as_slice()[0].clamp(-limit_nm, limit_nm);
+        first.get_or_insert(wanted_nm);
         let what = "torque, of that in the telemetry within the limit,";
         equal(what, wanted_nm, torque(&answers)?.torque_nm)
-    })
+    })?;
+    let Some(free_nm) = first else { return Ok(()) };
+    client.request(Stop {})?;
+    client.running_if_consistent(&[("torque_limit_nm", ParameterValue::F32(free_nm.abs() / 4.0))])?;
+    let reference_rad = REFERENCES_RAD[0];
+    let answers = client.request(EncoderSample { reference_rad, ..sample(0) })?;
+    let requested_nm = telemetry(&answers)?.values.as_slice()[0];
+    let expected =
+        format!("in the telemetry of a limited torque at least the {free_nm} N m of the run before");
+    expect(requested_nm.abs() >= free_nm.abs(), expected, requested_nm)
 }
