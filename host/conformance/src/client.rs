@@ -195,17 +195,17 @@ impl Client {
         let marker = self.frame(GetParameter { index: NO_PARAMETER });
         self.send_bytes(&[bytes, &*marker].concat())?;
         let requests = bytes.iter().filter(|byte| **byte == DELIMITER).count() as u32 + 1;
-        let mut sent_at = self.line.now();
+        let sent_at = self.line.now();
+        // Each request of a burst has a time of its own, from the answer before it; other messages extend none.
+        let mut waits_since = sent_at;
         let mut answers = Vec::new();
         while answers.len() < MOST_ANSWERS {
-            // Each request of a burst has a time of its own; other messages extend none.
-            let limit = REQUEST_LIMIT * (answers.len() as u32 + 1).min(requests);
-            let rest = (sent_at + limit).saturating_duration_since(self.line.now());
+            let rest = (waits_since + REQUEST_LIMIT).saturating_duration_since(self.line.now());
             let Some(message) = self.wait_for(rest, |message| Some(*message))? else {
                 if !self.has_starved() {
                     break;
                 }
-                sent_at = self.line.now();
+                waits_since = self.line.now();
                 continue;
             };
             if is_end(&message) {
@@ -217,6 +217,9 @@ impl Client {
             }
             if !matches!(message, DriveMessage::Log(_)) {
                 answers.push(message);
+                if answers.len() < requests as usize {
+                    waits_since = self.line.now();
+                }
             }
         }
         (self.is_unsettled, self.is_unanswered) = (true, true);

@@ -16,7 +16,7 @@ use super::assertion::{RuleResult, equal, skip};
 use super::check::{Check, check};
 use super::client::Client;
 use super::encoders::setup::Setup;
-use super::reactions::fault_answer;
+use super::reactions::{fault_answer, no_torque};
 
 use subscription::{BOTH, TORQUE, accepted, carries, follows, lowest, running_with, signals};
 
@@ -78,10 +78,11 @@ pub(super) fn checks() -> Vec<Check> {
             (0..2).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
         check("R6.8 R11.5", "a subscription outlives sessions, stops and faults", outlives),
-        check("R11.5 R11.8", "a subscription in Armed is that of the run", |client| {
+        check("R7.19 R11.5 R11.8", "a subscription in Armed is that of the run", |client| {
             let signals = signals(client)?;
             client.armed()?;
             accepted(client, signals, 2)?;
+            no_torque(client, 0, State::Armed)?;
             client.start()?;
             carries(client, 0, signals.count_ones())?;
             follows(client, 1, TORQUE)?;

@@ -141,11 +141,16 @@ fn subscribed(client: &mut Client, sequence: u16, signals: u32) -> RuleResult {
 
 fn lacking(client: &mut Client) -> RuleResult {
     let laws = client.identity.law_count;
-    let lacks = |law: u8, it: &&DriveSignal| !it.laws.contains(law);
-    let found = (0..laws).find_map(|law| {
-        client.description.signals.iter().find(|it| lacks(law, it)).map(|it| (law, it.clone()))
+    let lacking = (0..laws).flat_map(|law| {
+        let lacked = client.description.signals.iter().filter(move |it| !it.laws.contains(law));
+        lacked.map(move |it| (law, it.clone()))
     });
-    let Some((law, lacked)) = found else { return skip("every law has every signal") };
+    let lacking: Vec<(u8, DriveSignal)> = lacking.collect();
+    // One that isn't the last of its subscription, if there is one.
+    let is_before = |(law, it): &&(u8, DriveSignal)| law_signals(client, *law).last() > Some(&it.index);
+    let Some((law, lacked)) = lacking.iter().find(is_before).or(lacking.first()).cloned() else {
+        return skip("every law has every signal");
+    };
     let other_law = (0..laws).find(|law| lacked.laws.contains(*law));
     let signals = 1 << lacked.index;
     let session = client.session;
