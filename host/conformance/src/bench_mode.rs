@@ -372,7 +372,7 @@ fn counts(client: &mut Client) -> RuleResult {
         let [first, ..] = coast(client, reversed)?;
         for axis in 0..2 {
             let (wanted, tolerance) = (signs[axis] * last[axis], 3 * drift[axis] + AT_REST);
-            // What hardly moves, or moves fast, has no direction that shows.
+            // What rests at its start, or moves fast, has no direction that shows.
             if wanted.abs() > 2 * tolerance {
                 is_judged = true;
                 let encoder = ["motor", "load"][axis];

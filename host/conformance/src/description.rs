@@ -201,7 +201,7 @@ fn unknown_in(client: &mut Client, state: State) -> RuleResult {
                 let outside = outside.into_iter().flatten().filter_map(|choice| u8::try_from(choice).ok());
                 unknown.extend(outside.map(|choice| (it.index, choice)));
             }
-            _ => unknown.push((it.index, 0)),
+            _ => unknown.extend((0..client.repetitions(2) as u8).map(|choice| (it.index, choice))),
         }
     }
     let choices = unknown

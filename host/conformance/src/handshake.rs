@@ -98,10 +98,10 @@ fn whole(value: ParameterValue) -> Option<u32> {
 }
 
 fn settings(client: &mut Client) -> RuleResult {
-    // The defaults from `Boot` on, then two other settings, which differ from each other and between the encoders.
+    // The defaults from `Boot` on, the largest, then two other settings, which differ from each other and between the encoders.
     in_identity(client, "after Reset")?;
     client.long_watchdog()?;
-    for wished in [[2_000, 4_096, 8_192], [3_000, 10_000, 5_000]] {
+    for wished in [[u32::MAX; 3], [2_000, 4_096, 8_192], [3_000, 10_000, 5_000]] {
         put(client, wished)?;
         in_identity(client, "in Idle")?;
     }

@@ -69,7 +69,9 @@ pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
         (U32(min), U32(max)) => {
             let nearest =
                 [min.checked_sub(1), max.checked_add(1), min.checked_add(1 << 8), min.checked_add(1 << 16)];
-            let mut values: Vec<_> = nearest.into_iter().flatten().chain([1 << 31, u32::MAX]).collect();
+            let default = if let U32(value) = parameter.default { value } else { 0 };
+            let large = [1 << 31 | default, u32::MAX];
+            let mut values: Vec<_> = nearest.into_iter().flatten().chain(large).collect();
             values.retain(|value| !(min..=max).contains(value));
             values.into_iter().map(U32).collect()
         }

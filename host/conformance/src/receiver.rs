@@ -96,6 +96,9 @@ pub(super) fn checks() -> Vec<Check> {
                 let lengths = [57, 58, 62, 63, 64, 65, 70, 120, 127, 128, 129, 192, 255, 256, 257, 1_000];
                 let frames = lengths.map(|length| [vec![0x55; length], request(0)].concat());
                 counts(client, &frames, frames.len(), 0)?;
+                // The last bytes alone would be the longest frame.
+                let longest = framed(&[vec![GetParameter::LAYOUT.kind], vec![0x11; MAX_BODY - 1]].concat());
+                counts(client, &[[&[0x55; 10][..], &longest].concat()], 1, 0)?;
                 // After any of them the next frame is decoded.
                 let bytes: Vec<u8> =
                     frames.iter().flat_map(|frame| [&frame[..], &*request(3)].concat()).collect();

@@ -81,6 +81,11 @@ const fn from_first_or_second(mutant: &Mutant) -> bool {
     matches!(mutant.when, When::Always | When::Once | When::Later)
 }
 
+fn is_previous(mutant: &Mutant) -> bool {
+    mutant.operator == Operator::Previous
+}
+
+const FIRST_USE: &str = "the value before, in the first of several uses after a change";
 const FREE_NUMBER: &str = "the number of a build is the drive's own";
 const FREE_TEXT: &str = "other names, units and texts are allowed";
 const OWN_LAW: &str = "what a law makes of its parameters is the drive's own";
@@ -129,11 +134,16 @@ pub const EQUIVALENT: &[Set] = &[
         ("TorqueAnswer", "compute_tenths_us"),
         |it| {
             matches!(it.operator, Operator::Zero | Operator::Scale(1e-3))
-                || slightly(it) && !matches!(it.when, When::Once | When::Later)
+                || slightly(it) && !matches!(it.when, When::Once | When::Later | When::After(8))
         },
         "a measurement of the drive's own clock, which may be coarse",
     ),
-    set(("effect of a parameter", "controller"), from_first_or_second, OWN_LAW),
+    // Another law than the one in force, from the first or second run on, shows by its lack of a live parameter.
+    set(
+        ("effect of a parameter", "controller"),
+        |it| from_first_or_second(it) && (it.when == When::Once || it.operator != Operator::Add(1.0)),
+        OWN_LAW,
+    ),
     set(("effect of a parameter", "gain_nm_rad"), |it| always(it) && it.operator != Operator::Zero, OWN_LAW),
     set(("effect of a parameter", "damping_nm_s_rad"), from_first_or_second, OWN_LAW),
     set(("effect of a parameter", "integral_gain_1_s"), from_first_or_second, OWN_LAW),
@@ -232,6 +242,9 @@ pub const NOT_FOUND: &[Set] = &[
         "1.5e-5 of it, near the tolerance of a speed",
     ),
     set(("effect of a parameter", "load_counts_per_rev"), at_arm, BY_ONE),
+    set(("effect of a parameter", "load_counts_per_rev"), is_previous, FIRST_USE),
+    set(("effect of a parameter", "motor_counts_per_rev"), is_previous, FIRST_USE),
+    set(("effect of a parameter", "period_us"), is_previous, FIRST_USE),
     set(("effect of a parameter", "period_us"), at_arm, BY_ONE),
     set(("effect of a parameter", "load_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),
     set(("effect of a parameter", "motor_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),

@@ -47,7 +47,7 @@ pub(super) fn checks() -> Vec<Check> {
             each_way(client, HALF / 2, 3 * HALF)?;
             // The bounds of a position in 26, 27, 28 and 31 bits, or in 32 bits with some of a fraction.
             let bounds = [4, 8, 16, 128].map(|halves| halves * HALF);
-            for bound in &bounds[..client.repetitions(bounds.len()).max(2)] {
+            for bound in &bounds[..client.repetitions(bounds.len())] {
                 for encoder in Encoder::BOTH {
                     let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, bound + more));
                     match (further, earlier) {

@@ -72,6 +72,9 @@ pub(super) fn checks() -> Vec<Check> {
                     if it.min == ParameterValue::F32(0.0) {
                         values.push(ParameterValue::F32(-0.0));
                     }
+                    // Numbers that a processor may flush to zero.
+                    let smallest = [1e-40, f32::from_bits(1)].map(ParameterValue::F32);
+                    values.extend(smallest.into_iter().filter(|value| holds(it, *value)));
                     values.push(it.default);
                     let exchanges = values.into_iter().flat_map(|value| {
                         let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);

@@ -5,18 +5,20 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EnterLoader,
     FaultReport, GetParameter, Reference, SetParameter, Start, Stop, Subscribe,
 };
+use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use super::super::answers::{counted, fault, hello, other, sample};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::encoders::setup::Setup;
 use super::super::judge::ATTEMPTS;
 use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
 use super::super::receiver::framed;
@@ -39,6 +41,8 @@ const LATEST: Duration = Duration::from_millis(100);
 const TRANSPORT: Duration = Duration::from_millis(100);
 /// Timeout for a watchdog that must trip.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Periods of a gap, so that few samples lead far into a run.
+const FEWEST: u16 = 200;
 /// Time between two frames that must not feed the watchdog.
 const INTERVAL: Duration = Duration::from_millis(1);
 /// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
@@ -82,6 +86,11 @@ pub(super) fn checks() -> Vec<Check> {
             [1, 0, 2].into_iter().try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
             still_reported(client, it)
         }),
+        check(
+            "R8.4 R8.5",
+            "far into a run the watchdog trips, and its report has the last sample",
+            far_into_a_run,
+        ),
         check("R8.6", "each accepted sample restarts the watchdog", samples_in_time),
         check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late::late_samples),
     ];
@@ -215,6 +224,27 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
     reported_to(client, client.session ^ 1, it)
 }
 
+/// Beyond 2^15 samples.
+fn far_into_a_run(client: &mut Client) -> RuleResult {
+    let setup = Setup::coarse(client)?;
+    let gap = setup.longest_gap();
+    if gap < FEWEST {
+        return skip(
+            "not run: the encoders of this drive allow no long gaps, so the way takes too many samples",
+        );
+    }
+    setup.allowed(client)?;
+    client.running(&[&setup.settings()[..], &[(NAME, micros(WATCHDOG))]].concat())?;
+    first_sample(client)?;
+    let (mut sequence, mut before) = (0, client.line.now());
+    while sequence < 1 << 15 {
+        sequence += gap;
+        before = client.line.now();
+        client.torque(sequence)?;
+    }
+    tripped(client, WATCHDOG, sequence, before).map(drop)
+}
+
 /// Samples whose intervals are in time and whose sum is not.
 fn samples_in_time(client: &mut Client) -> RuleResult {
     for attempt in 0..=LONGEST_ATTEMPT {
@@ -223,6 +253,8 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
         // Longer each time, so that a busy bench sends them in time.
         let watchdog = WATCHDOG * 2_u32.pow(attempt);
         client.put(NAME, micros(watchdog))?;
+        // A limited torque counts as well as any.
+        client.put(TORQUE_LIMIT_NM, ParameterValue::F32(0.0))?;
         client.arm()?;
         let (mut sent, mut longest) = (client.line.now(), Duration::ZERO);
         client.start()?;

@@ -126,7 +126,7 @@ fn refusals(client: &mut Client, refused: &[u32], outcome: Outcome) -> RuleResul
     let state = client.state;
     let each = refused
         .iter()
-        .flat_map(|&signals| [0, 1].map(|every| result(Subscribe { signals, every }, outcome, state)));
+        .flat_map(|&signals| [0, 7].map(|every| result(Subscribe { signals, every }, outcome, state)));
     let each: Vec<Exchange> = each.collect();
     client.exchange(&format!("in {state:?}"), &each)
 }
@@ -159,6 +159,10 @@ fn lacking(client: &mut Client) -> RuleResult {
     in_force(client, law)?;
     let watchdog = client.parameter(WATCHDOG_US)?.index;
     let kept = client.get(watchdog)?.value;
+    // Beside a signal that the law has.
+    let own = law_signals(client, law).last().map_or(0, |index| 1 << index);
+    accepted(client, signals | own, 1)?;
+    of_other_law(client, Arm { session }, Idle, &lacked)?;
     let before = line_report(&client.request(Stop {})?)?;
     for every in [0, 1] {
         accepted(client, signals, every)?;
@@ -170,11 +174,6 @@ fn lacking(client: &mut Client) -> RuleResult {
             of_other_law(client, Arm { session }, Idle, &lacked)?;
         }
     }
-    // Beside a signal that the law has.
-    let own = law_signals(client, law).last().map_or(0, |index| 1 << index);
-    accepted(client, signals | own, 1)?;
-    of_other_law(client, Arm { session }, Idle, &lacked)?;
-    accepted(client, signals, 1)?;
     // The refusal lets the counts of the receiver continue, and keeps the values of parameters.
     let after = line_report(&client.request(Stop {})?)?;
     let went_on = after.messages > before.messages;

@@ -11,7 +11,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/bench", 11_100),
     ("host/campaign", 6_200),
     ("host/cli", 5_450),
-    ("host/conformance", 6_650),
+    ("host/conformance", 7_200),
     ("host/decode", 1_100),
     ("host/hardware", 2_100),
     ("host/identify", 2_150),
