@@ -9,7 +9,7 @@ use super::super::assertion::{RuleResult, equal, expect, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::encoders::setup::Setup;
-use super::super::reactions::{accepted, first_sample};
+use super::super::reactions::{accepted, first_sample, no_torque};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -31,11 +31,12 @@ pub(super) fn checks() -> Vec<Check> {
             }
             client.command(Stop {})?;
             odd_samples(client, State::Idle)?;
-            // The second time after a Stop that Faulted refuses.
+            // The second time after a Stop that Faulted refuses, and a sample.
             for _ in 0..2 {
                 let report = fault(&client.request(EmergencyStop {})?)?;
                 equal("last sample accepted, in the report of an EmergencyStop", 2, report.sequence)?;
                 client.request(Stop {})?;
+                no_torque(client, 777, State::Faulted)?;
             }
             client.command(ClearFault {})?;
             client.arm()?;
