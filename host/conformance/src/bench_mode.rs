@@ -66,6 +66,9 @@ fn allowed(rules: &'static str, name: &'static str, run: fn(&mut Client) -> Rule
     })
 }
 
+/// References that were sent, in rad, by their numbers.
+type Sent = Vec<(u16, f32)>;
+
 /// A run in bench mode.
 struct Run<'client> {
     client: &'client mut Client,
@@ -118,7 +121,7 @@ impl<'client> Run<'client> {
         count: usize,
         wanted: fn(&DriveMessage) -> bool,
         reference_rad: impl Fn(u16) -> f32,
-    ) -> Result<(Vec<DriveMessage>, Vec<(u16, f32)>), Failure> {
+    ) -> Result<(Vec<DriveMessage>, Sent), Failure> {
         let (mut messages, mut sent, mut turns) = (Vec::new(), Vec::new(), 0);
         while messages.iter().filter(|it| wanted(it)).count() < count {
             let reference_rad = reference_rad(turns);
