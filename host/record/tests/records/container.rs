@@ -81,6 +81,14 @@ fn damage_of_a_finished_file_is_an_error_before_the_end_of_its_data_and_nothing_
             assert!(read.is_err(), "byte {} of a chunk at {at}: {read:?}", byte - at);
         }
     }
+    // A length of one more, behind which the next record seems to end the data.
+    let chunk = places.iter().position(|(_, kind)| *kind == 0x06).expect("a chunk");
+    let mut damaged = whole.clone();
+    damaged[places[chunk].0 + 1] = damaged[places[chunk].0 + 1].wrapping_add(1);
+    damaged[places[chunk + 1].0 + 1] = 0x0f;
+    damaged[places[chunk + 1].0 + 2..][..8].copy_from_slice(&4_u64.to_le_bytes());
+    fs::write(&file, damaged).expect("a file");
+    assert!(Samples::read(&file).is_err(), "the data ends within a record");
     for (at, _) in places.iter().filter(|(at, _)| *at > end_of_data) {
         assert_eq!(read(at + 1, 1).ok(), Some((200, false)), "behind the data, at {at}");
     }

@@ -24,6 +24,9 @@ pub(in crate::samples) enum End {
     Torn,
 }
 
+/// Bytes of the record that ends the data: their checksum.
+const CHECKSUM_LEN: usize = 4;
+
 /// Passes the entries of the data of a file to `take`, up to the first error of either.
 ///
 /// # Errors
@@ -38,7 +41,8 @@ pub(in crate::samples) fn read<E: From<ContainerError>>(
         match opcode {
             // What a power failure leaves of a page.
             opcode::NONE => return Ok(End::Torn),
-            opcode::DATA_END => return Ok(End::Data),
+            opcode::DATA_END if content.len() == CHECKSUM_LEN => return Ok(End::Data),
+            opcode::DATA_END => return Ok(End::Torn),
             opcode::CHUNK => {
                 let chunk = chunk(content)?;
                 let mut inside = &chunk[..];
@@ -108,7 +112,8 @@ fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
         let _times = (take_u64(content)?, take_u64(content)?);
         let (length, crc) = (take_u64(content)?, take_u32(content)?);
         let (compression, compressed) = (take_text(content)?, take_u64(content)?);
-        Some((length, crc, compression, content.get(..usize::try_from(compressed).ok()?)?))
+        // To the last byte: a damaged length of the chunk would begin the next record in the wrong place.
+        (content.len() as u64 == compressed).then_some((length, crc, compression, *content))
     }
     let (length, crc, compression, stored) =
         fields(&mut content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
