@@ -59,6 +59,8 @@ pub(crate) enum CliError {
     Cluster(#[from] ClusterError),
     #[error(transparent)]
     Map(#[from] MapError),
+    #[error("{}: run.mode is \"hil\", so no plant is behind the pins; take a scenario with run.mode = \"bench\"", path.display())]
+    NoPlantAtPins { path: PathBuf },
     #[error("--jobs {jobs} needs as many drives, and {what} is one: take --jobs 1")]
     Jobs { jobs: NonZeroUsize, what: String },
     #[error(transparent)]
@@ -134,6 +136,7 @@ impl CliError {
             Self::RealTimeAlone { .. }
             | Self::Unconfirmed
             | Self::Scenario(_)
+            | Self::NoPlantAtPins { .. }
             | Self::Jobs { .. }
             | Self::Files(_)
             | Self::Baseline(_)
@@ -183,7 +186,8 @@ fn flash_exit(error: &FlashError) -> Exit {
         | FlashError::Writing { .. }
         | FlashError::Different { .. }
         | FlashError::File { .. }
-        | FlashError::Silent { .. } => Exit::DeviceOrLink,
+        | FlashError::Silent { .. }
+        | FlashError::Unasked { .. } => Exit::DeviceOrLink,
     }
 }
 

@@ -289,7 +289,7 @@ fn new_port(bench: &Bench, known: &[PathBuf], supervisor: &Supervisor) -> Result
             return drive_at(port, bench);
         }
         if Instant::now() >= deadline || supervisor.interrupted() {
-            return Err(FlashError::Ports(present.len()).into());
+            return Err(FlashError::Unasked { ports: present.len() }.into());
         }
         thread::sleep(Duration::from_millis(100));
     }

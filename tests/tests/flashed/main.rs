@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 20] = [
+    let alone: [(&str, Check); 21] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
@@ -54,6 +54,7 @@ fn main() -> ExitCode {
             "stand_ins::a_chip_in_its_loader_next_to_an_answering_drive_is_not_written",
             stand_ins::another_chip,
         ),
+        ("stand_ins::a_chip_without_a_port_afterwards_is_not_confirmed", stand_ins::no_port),
         ("stand_ins::dfu_with_a_different_copy_is_not_flashed", stand_ins::dfu_different),
         ("stand_ins::a_download_that_fails_is_not_flashed", stand_ins::download_failed),
         ("stand_ins::a_chip_that_is_not_reset_is_not_flashed", stand_ins::reset_failed),

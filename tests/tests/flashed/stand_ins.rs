@@ -181,6 +181,14 @@ pub(crate) fn another_chip() {
     assert!(!bench.path("flash").exists() && !claims_success(&ended), "{}", bench.calls());
 }
 
+/// No serial port on USB is on a machine that builds this.
+pub(crate) fn no_port() {
+    let bench = with_dfu(DFU_UTIL, &Twin::start());
+    let ended = bench.flash_with(&["--via", "dfu"]).with_code(4);
+    assert!(ended.stderr.contains("written and compared, but not confirmed"), "{}", ended.stderr);
+    assert!(ended.stdout.contains("\nwritten    ") && !claims_success(&ended), "{}", ended.stdout);
+}
+
 pub(crate) fn dfu_different() {
     let damaged = DFU_UTIL.replace(r#"cp "$file" "$BENCH/flash""#, r#"cp "$BENCH/image.elf" "$BENCH/flash""#);
     let twin = Twin::start();

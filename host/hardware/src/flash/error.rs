@@ -93,6 +93,12 @@ pub enum FlashError {
         way.recovery()
     )]
     Silent { way: Way, source: DeviceError },
+    /// It was written, and which port the drive is at is not clear, so it was not asked.
+    #[error(
+        "written and compared, but not confirmed: {ports} serial ports on USB, and none of them is new: `lashloop doctor` with the \
+         drive's port shows the build that it reports; name that port by --device the next time"
+    )]
+    Unasked { ports: usize },
     /// Another build runs than that of the image.
     #[error(
         "written and compared, but the drive reports {drive}, and the image is {image}: another board answers on this port, or \
