@@ -1,19 +1,21 @@
 //! `lashloop conformance`: whether a drive conforms to the protocol.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop::Bench;
-use lashloop_bench::device::{Connection, session_number};
+use lashloop_bench::device::{Connection, DeviceChoice, session_number};
+use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
-use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, Reporter};
+use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, PowerStage, Reporter};
 use lashloop_protocol::message::Identity;
 use lashloop_report::junit::{Case, Kind};
 
 use super::error::CliError;
-use super::options::{BaudOption, DeviceOption};
+use super::options::{BaudOption, DeviceOption, plants};
 use super::output::{outln, print_json};
 use super::report_files;
 use super::supervision::start_supervisor;
@@ -33,9 +35,17 @@ pub(crate) struct Arguments {
     #[arg(long)]
     list: bool,
 
-    /// Let a drive with bench mode run on its own encoders too: its power stage comes on, with next to no torque
+    /// Let a drive with bench mode run on its own encoders too: its power stage comes on
     #[arg(long)]
     bench_mode: bool,
+
+    /// Scenario of bench mode whose plant moves the encoders of a drive without hardware, as on virtual silicon
+    #[arg(long, value_name = "SCENARIO", requires = "bench_mode")]
+    plant: Option<PathBuf>,
+
+    /// Torque in N m for a duty of 1, so that the mechanics move; without it, next to no torque, or that of --plant
+    #[arg(long, value_name = "NM", requires = "bench_mode")]
+    torque_per_duty_nm: Option<f32>,
 
     #[command(flatten)]
     line: BaudOption,
@@ -50,20 +60,25 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         if self.list {
             print_list();
             return Ok(Exit::Pass);
         }
+        let (device, scale_nm) = match &self.plant {
+            None => (self.drive.device.clone(), None),
+            Some(path) => with_plant(&self.drive.device, path, bench)?,
+        };
+        let torque_per_duty_nm = self.torque_per_duty_nm.or(scale_nm);
         let supervisor = start_supervisor()?;
-        let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
+        let (link, connection) = Connection::open(&device, self.line.baud, &supervisor)?;
         let mut printer = Printer {
             connection: &connection,
             device: self.drive.device.to_string(),
             results: Vec::new(),
             supervisor: &supervisor,
             is_silent: self.json,
-            allows_bench_mode: self.bench_mode,
+            bench_mode: self.bench_mode.then_some(PowerStage { torque_per_duty_nm }),
         };
         let signals = supervisor.guard_signals();
         let ended = conformance::run(link, session_number(), &mut printer);
@@ -96,6 +111,20 @@ impl Arguments {
             _ => Exit::Fail,
         })
     }
+}
+
+/// The drive with the plant of this scenario behind its pins, and the scale of its amplifier.
+fn with_plant(
+    device: &DeviceChoice,
+    path: &Path,
+    bench: &Bench,
+) -> Result<(DeviceChoice, Option<f32>), CliError> {
+    let scenario = Scenario::from_file_with(path, &[], &plants(bench))?;
+    if scenario.run.mode.is_hil() {
+        return Err(CliError::NoPlantAtPins { path: path.to_owned() });
+    }
+    let torque_per_duty_nm = scenario.bench.torque_per_duty_nm().map(|scale_nm| scale_nm as f32);
+    Ok((device.for_run(&scenario, ClockName::RealTime)?, torque_per_duty_nm))
 }
 
 /// A check that was not judged is an error.
@@ -159,7 +188,7 @@ struct Printer<'a> {
     supervisor: &'a Supervisor,
     /// Whether the results are printed at the end instead.
     is_silent: bool,
-    allows_bench_mode: bool,
+    bench_mode: Option<PowerStage>,
 }
 
 impl Reporter for Printer<'_> {
@@ -187,8 +216,8 @@ impl Reporter for Printer<'_> {
         }
     }
 
-    fn allows_bench_mode(&self) -> bool {
-        self.allows_bench_mode
+    fn bench_mode(&self) -> Option<PowerStage> {
+        self.bench_mode
     }
 
     fn is_interrupted(&self) -> bool {

@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use lashloop_protocol::enums::Capabilities;
+use lashloop_protocol::enums::{Capabilities, TorqueFlags};
 use lashloop_protocol::layout::has_number;
-use lashloop_protocol::limits::{FAULT_NAMES, FLAG_NAMES, KIND_NAMES, OUTCOME_NAMES, STATE_NAMES};
+use lashloop_protocol::limits::{
+    FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MINOR_VERSION, OUTCOME_NAMES, STATE_NAMES,
+};
 use lashloop_protocol::message::{Identity, Numbered, Reference};
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, Message, PROTOCOL_VERSION};
@@ -58,6 +60,8 @@ pub(super) struct Arrivals {
     /// Number of the last request.
     number: u8,
     has_device_time: bool,
+    /// Flags that may be set.
+    flags: TorqueFlags,
     /// Device time of the last message that has one.
     pub(super) device_us: Option<u32>,
     /// Whether answers to no request are late ones.
@@ -73,6 +77,11 @@ impl Arrivals {
             waiting: VecDeque::new(),
             number: u8::MAX,
             has_device_time: identity.capabilities.contains(Capabilities::DEVICE_TIME),
+            flags: if identity.minor_version > MINOR_VERSION {
+                TorqueFlags::all()
+            } else {
+                TorqueFlags::from_bits_retain(u8::MAX)
+            },
             device_us: identity.device_time_us,
             skips_late: false,
             seen: BTreeSet::new(),
@@ -122,11 +131,16 @@ impl Arrivals {
         self.waiting.iter().any(|it| !it.is_answered && it.kind != Reference::LAYOUT.kind)
     }
 
-    /// Checks a message, and returns it without its device time; `None` if it is late.
+    /// Checks a message, and returns it without its device time and the flags of a newer version; `None` if it is late.
     pub(super) fn take(&mut self, arrived: &Numbered<DriveMessage>) -> Result<Option<DriveMessage>, Failure> {
         let Numbered { number, mut message } = *arrived;
         self.see(&message);
         self.check_time(&mut message)?;
+        match &mut message {
+            DriveMessage::TorqueAnswer(it) => it.status.flags &= self.flags,
+            DriveMessage::BenchSample(it) => it.status.flags &= self.flags,
+            _ => {}
+        }
         if is_unasked(&message) {
             return Ok(Some(message));
         }

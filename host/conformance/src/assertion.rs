@@ -14,7 +14,7 @@ pub(super) enum Failure {
     Rule { expected: String, got: String },
     /// A step that leads to the rule failed. The first check that meets a failed step reports it.
     Preparation { what: String, expected: String, got: String },
-    /// The description of this drive excludes the rule.
+    /// The description, the line or the pins of this drive, or the options of the run exclude the rule.
     Skipped { reason: &'static str },
     /// The rule was not tested: no time is left, or the bench is too busy.
     NotJudged { cause: String },

@@ -14,6 +14,7 @@ use lashloop_session::{Description, SessionError, handshake};
 
 use super::arrivals::Arrivals;
 use super::assertion::{Failure, RuleResult, broken};
+use super::power_stage::PowerStage;
 use super::time_up::{Starvation, TimeUp};
 use super::words::Words;
 use super::writes::next_write;
@@ -44,8 +45,8 @@ pub(super) struct Client {
     /// What no drive can have, in words.
     pub(super) defects: Vec<String>,
     pub(super) arrivals: Arrivals,
-    /// Whether the drive may turn its power stage on.
-    pub(super) allows_bench_mode: bool,
+    /// Whether the drive may turn its power stage on, and how.
+    pub(super) bench_mode: Option<PowerStage>,
     /// Whether the drive loses requests of one write, so that each is sent alone.
     pub(super) sends_alone: bool,
     /// Answers that arrived before the last requests of a call were sent.
@@ -63,7 +64,7 @@ pub(super) struct Client {
     /// When the first request was sent.
     pub(super) opened_at: Instant,
     /// Mean time of a request and its answer.
-    exchange: Duration,
+    pub(super) exchange: Duration,
     /// Time for the description.
     describing: Duration,
     /// Longest time in the present check for an answer, or by which the bench itself was late.
@@ -100,7 +101,7 @@ impl Client {
             description,
             defects,
             arrivals,
-            allows_bench_mode: false,
+            bench_mode: None,
             sends_alone: false,
             early: VecDeque::new(),
             overdue: 0,

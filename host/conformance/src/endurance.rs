@@ -13,13 +13,14 @@ use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::{accepted, first_sample};
 use super::receiver::framed;
+use super::safety::in_time;
 use super::words::Words;
 
 /// Time for which nothing may be sent, and in `Faulted`.
 const QUIET: Duration = Duration::from_millis(30);
 const QUIET_IN_FAULTED: Duration = Duration::from_secs(1);
-/// Watchdogs that exceed 16 and 24 bits, and 16 bits of 250 us, by 2 ms; those whose product with 1000 ns, or with the cycles of a processor of 168, 200, 240 or 480 MHz, exceeds 32 bits by next to
-/// nothing, and the longest one of every drive.
+/// Watchdogs that exceed 16 and 24 bits, and 16 bits of 250 us, by 2 ms; those whose product with 1000 ns, or with the cycles
+/// of a processor of 168, 200, 240 or 480 MHz, exceeds 32 bits by next to nothing; and the longest one of every drive.
 const LONG_WATCHDOGS_US: [u32; 9] =
     [67_536, 16_779_216, 16_386_000, 4_294_968, 25_565_282, 21_474_837, 17_895_698, 8_947_849, 30_000_000];
 /// Silence much shorter than these.
@@ -44,11 +45,13 @@ const REFUSED: [u8; 1] = [0x80];
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R1.1 R4.2 R8.3", "in a pause of a frame nothing but a Log is sent in any state", |client| {
-            State::ALL.iter().try_for_each(|state| quiet(client, *state))
-        }),
+        check(
+            "R1.1 R4.2 R8.3",
+            "on an idle line, and in a pause of a frame, nothing but a Log is sent in any state",
+            |client| State::ALL.iter().try_for_each(|state| quiet(client, *state)),
+        ),
         check("R4.18 R4.19 R8.5", "device time passes as the time of the bench does", pace),
-        check("R8.5 R8.7 R8.10", "a long watchdog does not trip early", long_watchdogs),
+        in_time(check("R8.5 R8.7 R8.10", "a long watchdog does not trip early", long_watchdogs)),
         check(
             "R2.3 R2.7 R4.15",
             "more than 65536 messages, damaged frames and refused ones are counted",
@@ -63,17 +66,21 @@ fn quiet(client: &mut Client, state: State) -> RuleResult {
     if state == State::Running {
         first_sample(client)?;
     }
+    no_message(client, state, QUIET)?;
     // A frame has no time to end in.
     let read = client.frame(GetParameter { index: 0 });
     let (first, rest) = read.split_at(read.len() / 2);
     client.send_bytes(first)?;
-    let limit = if state == State::Faulted { QUIET_IN_FAULTED } else { QUIET };
-    let unasked =
-        client.wait_for(limit, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
-    equal(&format!("in {state} without a request, message other than a Log"), None, unasked)?;
+    no_message(client, state, if state == State::Faulted { QUIET_IN_FAULTED } else { QUIET })?;
     let answers = client.request_bytes(rest)?;
     equal(&format!("in {state}, to a frame with a pause in it"), vec!["ParameterReport"], names(&answers))?;
     equal("state afterwards", state, client.state)
+}
+
+fn no_message(client: &mut Client, state: State, time: Duration) -> RuleResult {
+    let unasked =
+        client.wait_for(time, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+    equal(&format!("in {state} without a request, message other than a Log"), None, unasked)
 }
 
 /// The time before and after a read, and the device time of its answer.

@@ -216,13 +216,21 @@ fn lists() -> [List; 5] {
 }
 
 fn has_names(client: &mut Client) -> RuleResult {
+    use FaultCode::{LoadEncoderLost, MotorEncoderLost, PowerStage, TickOverrun};
+
     let has = |capability| client.identity.capabilities.contains(capability);
     let taken = HostMessage::LAYOUTS.iter().map(|it| it.kind).filter(|kind| match *kind {
         kind if kind == Reference::LAYOUT.kind => has(Capabilities::BENCH_MODE),
         kind if kind == EnterLoader::LAYOUT.kind => has(Capabilities::LOADER),
         _ => true,
     });
-    let taken: Vec<_> = taken.map(|kind| (KIND_NAMES, kind)).collect();
+    let mut taken: Vec<_> = taken.map(|kind| (KIND_NAMES, kind)).collect();
+    if has(Capabilities::BENCH_MODE) {
+        let faults = [PowerStage, MotorEncoderLost, LoadEncoderLost, TickOverrun];
+        taken.extend(faults.map(|code| (FAULT_NAMES, code.byte())));
+        let refusals = [Outcome::PowerStageFault, Outcome::EncoderImplausible];
+        taken.extend(refusals.map(|outcome| (OUTCOME_NAMES, outcome.byte())));
+    }
     client.arrivals.seen.extend(taken);
     for (parameter, what, of_page) in lists() {
         let seen: Vec<u8> =

@@ -105,7 +105,7 @@ fn settings(client: &mut Client) -> RuleResult {
         put(client, wished)?;
         in_identity(client, "in Idle")?;
     }
-    client.arm()?;
+    client.arm_if_consistent()?;
     in_identity(client, "in Armed")?;
     client.start()?;
     in_identity(client, "in Running")?;

@@ -11,7 +11,7 @@ use super::client::{Client, REQUEST_LIMIT};
 use super::result::{CheckResult, CheckStatus};
 use super::time_up::{Starvation, TimeUp};
 
-/// Time for all checks of any drive. The slowest line on which all checks are made, of 115,200 Bd, takes two thirds of it.
+/// Time for all checks of any drive. A line of 115,200 Bd takes two thirds of it.
 const RUN_LIMIT: Duration = Duration::from_secs(60);
 const RUN_TIME_UP: &str = "60 s have passed";
 /// Time for one attempt at a check.

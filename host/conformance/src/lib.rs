@@ -25,14 +25,15 @@
 //! and device time doesn't run backwards.
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
-//! was just reset: no result depends on another check. After each request the client sends a second one with a known answer. A
+//! was just reset. A check depends on another one only where one says so: what the first one finds of bursts decides how all later
+//! ones send, and the last names the values that all have seen. After each request the client sends a second one with a known answer. A
 //! drive answers in order, so that answer ends the list without a timeout.
 //!
 //! The steps that lead to a rule are preparations. The first check that meets a failed preparation reports it as its own
 //! failure; the checks after it that need the same step are not judged.
 //!
 //! The checks depend on the protocol and on [`REQUIRED_PARAMETERS`], not on the control law: of the law they require only
-//! some torque for a load at rest off its reference.
+//! R10.4, R10.5, R10.13 and R10.14.
 
 #![forbid(unsafe_code)]
 
@@ -57,6 +58,7 @@ mod latency;
 mod line;
 mod parameters;
 mod pins;
+mod power_stage;
 mod profile_pd;
 mod range;
 mod reactions;
@@ -79,6 +81,7 @@ use lashloop_protocol::message::Identity;
 
 pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
 pub use latency::LIMIT as ANSWER_LIMIT;
+pub use power_stage::PowerStage;
 pub use result::{CheckResult, CheckStatus};
 
 use check::Check;
@@ -100,9 +103,9 @@ pub trait Reporter {
         true
     }
 
-    /// Whether the drive may run in bench mode, on its own encoders and with its power stage on.
-    fn allows_bench_mode(&self) -> bool {
-        false
+    /// Whether the drive may run in bench mode, on its own encoders and with its power stage on, and how.
+    fn bench_mode(&self) -> Option<PowerStage> {
+        None
     }
 
     /// Whether to end before the next check.
@@ -119,7 +122,7 @@ pub trait Reporter {
 /// consecutive checks. A single missing answer fails its check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
-    client.allows_bench_mode = reporter.allows_bench_mode();
+    client.bench_mode = reporter.bench_mode();
     reporter.connected(&client.identity);
     let mut judge = Judge::new(&mut client);
     for (group, check) in all_checks() {

@@ -4,8 +4,7 @@ use lashloop_protocol::HostMessage;
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, LineReport, Reset, Start, Stop};
 
-use super::answers::other;
-use super::answers::{counted, hello, line_report, sample};
+use super::answers::{counted, hello, line_report, other, sample};
 use super::assertion::{Failure, RuleResult, equal};
 use super::check::{Check, check};
 use super::client::Client;

@@ -5,7 +5,7 @@
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{Arm, CommandResult, EnterLoader, Reference, Start, Stop};
-use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
+use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, TORQUE_LIMIT_NM};
 use lashloop_protocol::wire::Payload;
 use lashloop_session::Parameter;
 
@@ -14,6 +14,7 @@ use super::assertion::{Failure, RuleResult, broken, equal, expect, names, skip};
 use super::check::{Check, check};
 use super::client::Client;
 use super::exchanges::result;
+use super::range::{holds, nearest_real};
 use super::reactions::{accepted, first_sample, no_torque};
 use super::words::Words;
 
@@ -43,6 +44,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("R18.2", "a drive has the parameters of bench mode if it announces it", parameters),
         check("R4.16 R18.3 R18.9", "a Reference is refused in every state of HIL mode", reference),
         check("R18.4", "Arm in bench mode checks session, state and parameters before the pins", arming),
+        check("R18.4", "no limit of the duty is short of torque_limit_nm in either direction", duties),
         check("R19.1 R19.2", "EnterLoader is refused in another session and in every state but Idle", loader),
     ]
 }
@@ -123,9 +125,28 @@ fn arming(client: &mut Client) -> RuleResult {
     client.exchange("in bench mode", &[result(Arm { session: session ^ 1 }, WrongSession, Idle)])?;
     let it = arm(client)?;
     equal("Arm with a duty_min above duty_offset", Inconsistent, it.outcome)?;
-    let cause = client.description.parameters.iter().find(|cause| u32::from(cause.index) == it.detail);
-    let is_duty = cause.is_some_and(|cause| cause.name.starts_with("duty_"));
-    expect(is_duty, "the index of a duty as its detail", it)?;
+    names_cause(client, it, &["duty_min", "duty_offset", "duty_max"])?;
+    // They count in bench mode only.
+    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+    client.exchange("in HIL mode", &[result(Arm { session }, Accepted, Armed)])?;
+    client.reset()?;
+    bench(client, [("duty_max", |it| it.min), ("duty_offset", |it| it.max)])?;
+    let it = arm(client)?;
+    equal("Arm with a duty_max below duty_offset", Inconsistent, it.outcome)?;
+    names_cause(client, it, &["duty_min", "duty_offset", "duty_max"])?;
+    client.reset()?;
+    // Equal ones have a duty of no torque.
+    let offset = client.parameter("duty_offset")?.default;
+    let no_torque_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, 0.0)?;
+    client.idle()?;
+    client.put_all(&[
+        (SAMPLE_SOURCE, PINS),
+        (TORQUE_LIMIT_NM, ParameterValue::F32(no_torque_nm)),
+        ("duty_min", offset),
+        ("duty_max", offset),
+    ])?;
+    let it = arm(client)?;
+    expect(it.outcome != Inconsistent, "Arm with a duty of no torque alone", it)?;
     client.reset()?;
     client.exchange("after Reset", &[result(Arm { session }, WrongSession, Boot)])?;
     bench(client, [("torque_per_duty_nm", |it| it.max), ("duty_min", |it| it.default)])?;
@@ -138,6 +159,59 @@ fn arming(client: &mut Client) -> RuleResult {
     }
     no_torque(client, 1, Idle)?;
     refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, Idle)
+}
+
+/// Requires the index of one of these parameters as the detail of a refusal.
+fn names_cause(client: &Client, it: CommandResult, causes: &[&str]) -> RuleResult {
+    let cause = client.description.parameters.iter().find(|cause| u32::from(cause.index) == it.detail);
+    let is_cause = cause.is_some_and(|cause| causes.contains(&cause.name.as_str()));
+    expect(is_cause, format!("the index of {} as its detail", causes.join(" or ")), it)
+}
+
+/// The duty of the largest torque at a limit of the duty, within it, and beyond it by a fraction of the torque.
+fn duties(client: &mut Client) -> RuleResult {
+    if !has(client, Capabilities::BENCH_MODE) {
+        return skip("the drive has no bench mode");
+    }
+    let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, 1.0)?;
+    let scale_nm = nearest_real(client.parameter("torque_per_duty_nm")?, 4.0 * limit_nm)?;
+    let offset = client.parameter("duty_offset")?.default;
+    let ParameterValue::F32(center) = offset else { return Ok(()) };
+    let width = limit_nm / scale_nm;
+    let [least, most] = [client.parameter("duty_min")?.min, client.parameter("duty_max")?.max];
+    let wide = [
+        (SAMPLE_SOURCE, PINS),
+        (TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm)),
+        ("torque_per_duty_nm", ParameterValue::F32(scale_nm)),
+        ("duty_min", least),
+        ("duty_max", most),
+    ];
+    client.idle()?;
+    client.put_all(&wide)?;
+    if arm(client)?.outcome == Inconsistent {
+        return skip("not run: the drive refuses its pins with its widest duties");
+    }
+    for (name, outwards) in [("duty_min", -width), ("duty_max", width)] {
+        for (fraction, is_consistent) in [(1.001, true), (1.0, true), (0.999, false), (0.5, false)] {
+            let duty = ParameterValue::F32(center + outwards * fraction);
+            if !holds(client.parameter(name)?, duty) {
+                return skip("not run: the ranges of the duty exclude a setting of this check");
+            }
+            client.reset()?;
+            client.idle()?;
+            client.put_all(&wide)?;
+            client.put(name, duty)?;
+            let it = arm(client)?;
+            let what =
+                format!("Arm with a duty of {} of that of the largest torque in {name}", fraction.words());
+            expect((it.outcome == Inconsistent) != is_consistent, what, it)?;
+            if it.outcome == Inconsistent {
+                let causes = ["duty_min", "duty_offset", "duty_max", TORQUE_LIMIT_NM, "torque_per_duty_nm"];
+                names_cause(client, it, &causes)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Arms, and requires an outcome of the page with its detail.

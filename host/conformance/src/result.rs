@@ -17,7 +17,7 @@ pub enum CheckStatus {
     NotJudged {
         cause: String,
     },
-    /// The drive's own description excludes the rule.
+    /// The drive's own description, its line, its pins or the options of the run exclude the rule.
     Skipped {
         reason: &'static str,
     },

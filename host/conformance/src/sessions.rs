@@ -8,8 +8,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::parameter_names::WATCHDOG_US;
 
-use super::answers::other;
-use super::answers::{fault, hello, identity, latched, sample, torque};
+use super::answers::{fault, hello, identity, latched, other, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, names};
 use super::check::{Check, check};
 use super::client::Client;

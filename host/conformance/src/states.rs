@@ -78,11 +78,18 @@ impl Client {
     pub(super) fn running_if_consistent(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
         self.long_watchdog()?;
         self.put_all(settings)?;
-        if self.command(Arm { session: self.session })? == (Outcome::Inconsistent, State::Idle) {
+        self.arm_if_consistent()?;
+        self.start()
+    }
+
+    /// As [`Self::arm`], with settings that a drive may refuse.
+    pub(super) fn arm_if_consistent(&mut self) -> RuleResult {
+        let armed = self.command(Arm { session: self.session });
+        if matches!(armed, Ok((Outcome::Inconsistent, State::Idle))) {
             return skip("not run: the drive refuses the settings of this check as inconsistent");
         }
-        equal("state after Arm", State::Armed, self.state)?;
-        self.start()
+        let wanted = (Outcome::Accepted, State::Armed);
+        preparation("Arm", armed.and_then(|got| equal("Arm: outcome and state", wanted, got)))
     }
 
     pub(super) fn faulted(&mut self) -> RuleResult {

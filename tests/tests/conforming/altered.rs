@@ -5,8 +5,15 @@ use std::time::{Duration, Instant};
 use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
+use lashloop_protocol::limits::FLAG_NAMES;
+use lashloop_protocol::message::{ChoiceDescription, DescribeChoice};
+use lashloop_protocol::text::Text;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
 use lashloop_session::SessionError;
+
+/// A flag that a newer drive adds, and one of this version.
+pub const NEW_FLAG: u8 = 0x80;
+const KNOWN_FLAG: u8 = 0x40;
 
 /// What arrives instead of a message, as bytes.
 pub type Alteration = fn(&Numbered<DriveMessage>, Passing) -> Vec<u8>;
@@ -21,9 +28,11 @@ pub struct Passing {
 
 /// A middleware that alters the drive's messages, each after a delay.
 pub struct Altered {
-    drive: InProcess,
+    drive: Box<dyn Link>,
     decoder: Decoder,
     alter: Alteration,
+    /// Numbers of requests for the name of [`NEW_FLAG`].
+    of_new_flag: Vec<u8>,
     delay: Duration,
     /// Writes from one standstill of the bench to the next, and how long it lasts.
     pauses: Option<(u32, Duration)>,
@@ -40,10 +49,15 @@ pub struct Altered {
 
 impl Altered {
     pub fn new(alter: Alteration) -> Self {
+        Self::over(Box::new(InProcess::<lashloop_firmware::Laws>::default()), alter)
+    }
+
+    pub fn over(drive: Box<dyn Link>, alter: Alteration) -> Self {
         Self {
-            drive: InProcess::default(),
+            drive,
             decoder: Decoder::new(),
             alter,
+            of_new_flag: Vec::new(),
             delay: Duration::ZERO,
             pauses: None,
             standstill: None,
@@ -84,7 +98,7 @@ impl Altered {
 
 impl Link for Altered {
     fn inner(&mut self) -> Option<&mut dyn Link> {
-        Some(&mut self.drive)
+        Some(&mut *self.drive)
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
@@ -98,10 +112,17 @@ impl Link for Altered {
         }
         let mut decoder = Decoder::new();
         let mut rest = bytes;
+        let mut known = bytes.to_vec();
         while let Some(frame) = decoder.next::<HostMessage>(&mut rest) {
             self.passing.requests += u32::from(frame.is_ok());
+            if let Ok(Numbered { number, message }) = frame
+                && message == name_of(NEW_FLAG).into()
+            {
+                self.of_new_flag.push(number);
+                known = with_flag_known(&known, number);
+            }
         }
-        self.drive.send(bytes)
+        self.drive.send(&known)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
@@ -120,7 +141,13 @@ impl Link for Altered {
             }
             let mut rest = &bytes[..count];
             while let Some(message) = self.decoder.next::<DriveMessage>(&mut rest) {
-                let message = message.expect("a drive that sends good frames");
+                let mut message = message.expect("a drive that sends good frames");
+                if let DriveMessage::ChoiceDescription(it) = &mut message.message
+                    && (it.parameter, it.choice) == (FLAG_NAMES, KNOWN_FLAG)
+                    && self.of_new_flag.contains(&message.number)
+                {
+                    *it = ChoiceDescription { choice: NEW_FLAG, name: Text::new("NEW"), ..*it };
+                }
                 self.passing.device_us =
                     { message.message }.device_time_us_mut().and_then(|it| *it).or(self.passing.device_us);
                 self.waiting.extend((self.alter)(&message, self.passing));
@@ -147,6 +174,18 @@ impl Link for Altered {
         self.waiting.clear();
         self.drive.discard_input()
     }
+}
+
+const fn name_of(flag: u8) -> DescribeChoice {
+    DescribeChoice { parameter: FLAG_NAMES, choice: flag }
+}
+
+/// Bytes in which the request for the name of [`NEW_FLAG`] asks for another one, so that the drive answers it.
+fn with_flag_known(bytes: &[u8], number: u8) -> Vec<u8> {
+    let [new, known] =
+        [NEW_FLAG, KNOWN_FLAG].map(|flag| HostMessage::from(name_of(flag)).numbered_frame(number));
+    let at = bytes.windows(new.len()).position(|window| *window == *new).expect("the request");
+    [&bytes[..at], &known, &bytes[at + new.len()..]].concat()
 }
 
 /// The results of a battery, and how it ended.

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use lashloop_conformance::CheckStatus;
-use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{Capabilities, LogLevel, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{CommandResult, Log, ParameterDescription, Start, Telemetry, TorqueAnswer};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Frame, Message, Numbered, TelemetryValues};
+use lashloop_protocol::{DriveMessage, Frame, MAX_BODY, Message, Numbered, TelemetryValues, frame};
 
-use crate::altered::{Alteration, Altered, Battery, Passing};
+use crate::altered::{Alteration, Altered, Battery, NEW_FLAG, Passing};
 
 fn whole(it: &Numbered<DriveMessage>) -> Vec<u8> {
     it.message.numbered_frame(it.number).to_vec()
@@ -42,6 +42,30 @@ fn logs_between_any_two_frames_are_borne() {
 fn frames_of_a_new_kind_are_borne() {
     assert_passes(&Battery::of(Altered::new(|message, _| {
         [Frame::around(&[0xe7, 1, 2, 3]).to_vec(), whole(message)].concat()
+    })));
+}
+
+/// Longer bodies, a flag in every torque, a capability, and a kind after every message.
+#[test]
+fn a_drive_of_the_next_minor_version_passes_every_check() {
+    assert_passes(&Battery::of(Altered::new(|message, _| {
+        let mut newer = message.message;
+        match &mut newer {
+            DriveMessage::Identity(it) => {
+                it.minor_version = 1;
+                it.capabilities |= Capabilities::from_bits_retain(0x80);
+            }
+            DriveMessage::TorqueAnswer(it) => it.status.flags |= TorqueFlags::from_bits_retain(NEW_FLAG),
+            _ => {}
+        }
+        let mut stuffed = newer.numbered_frame(message.number).to_vec();
+        stuffed.pop();
+        let mut body = frame::open(&mut stuffed).expect("a good frame").to_vec();
+        // The values of telemetry fill their body.
+        if body.len() + 2 <= MAX_BODY && !matches!(newer, DriveMessage::Telemetry(_)) {
+            body.extend([1, 2]);
+        }
+        [Frame::around(&body).to_vec(), Frame::around(&[0x9c, 1, 2, 3]).to_vec()].concat()
     })));
 }
 

@@ -2,6 +2,7 @@
 //! drives that are right or broken as a whole.
 
 mod altered;
+mod bench_mode;
 mod frame;
 mod native;
 mod parameters;

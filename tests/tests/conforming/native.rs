@@ -1,6 +1,6 @@
 //! The native twin conforms to the protocol, and the report shows every check.
 
-use tests::battery::{self, LASHLOOP_SKIPS};
+use tests::battery::{self, LASHLOOP_BENCH_SKIPS, LASHLOOP_SKIPS};
 use tests::program::run;
 use tests::twin::Twin;
 
@@ -26,6 +26,20 @@ fn a_drive_on_a_terminal_passes_every_check() {
 #[test]
 fn a_drive_in_process_passes_every_check_it_can_show() {
     all_passed(&run(["conformance", "--device", "inproc"]).with_code(0).stdout);
+}
+
+#[test]
+fn a_drive_in_process_passes_every_check_of_bench_mode_with_a_plant_at_its_pins() {
+    let plant = "scenarios/bench-smooth-after.toml";
+    let ended = run(["conformance", "--device", "inproc", "--bench-mode", "--plant", plant]).with_code(0);
+    battery::all_passed(&ended.stdout, LASHLOOP_BENCH_SKIPS);
+}
+
+#[test]
+fn a_plant_of_hil_mode_is_refused() {
+    let plant = "scenarios/smooth-after.toml";
+    let ended = run(["conformance", "--device", "inproc", "--bench-mode", "--plant", plant]).with_code(2);
+    assert!(ended.stderr.contains("take a scenario with run.mode = \"bench\""), "{}", ended.stderr);
 }
 
 #[test]

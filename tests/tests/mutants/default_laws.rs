@@ -1,4 +1,5 @@
-//! A drive passes with each law of Lashloop in force after power-up: no check assumes more of a law than the page does.
+//! A drive passes with laws of Lashloop in force after power-up: no check assumes more of a law than the page does. The page itself
+//! excludes `open-loop`, whose first torque is 0 (R10.4), and `braking-curve`, which plans within the torque limit (R10.14).
 
 use lashloop_firmware::control::backlash_inverse::BacklashInverse;
 use lashloop_firmware::control::merzouki::Merzouki;

@@ -179,6 +179,6 @@ impl Setup {
                 "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
             );
         }
-        client.running(&self.settings())
+        client.running_if_consistent(&self.settings())
     }
 }

@@ -1,9 +1,9 @@
 //! Whether a value that a drive accepted has an effect.
 
 use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{Outcome, ParameterValue};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, EncoderSample, Stop, TorqueAnswer};
-use lashloop_protocol::parameter_names::CONTROLLER;
+use lashloop_protocol::parameter_names::{CONTROLLER, TORQUE_LIMIT_NM};
 use lashloop_protocol::wire::Payload;
 
 use lashloop_session::Parameter;
@@ -12,7 +12,8 @@ use super::super::answers::{outcome, torque};
 use super::super::assertion::{Failure, RuleResult, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
-use super::super::range::{neighbour, within};
+use super::super::range::{holds, neighbour, within};
+use super::super::samples::runs::{equal_torques, torques_of_a_run};
 use super::super::words::Words;
 use super::values::set_live;
 
@@ -26,6 +27,7 @@ const AFTER: u16 = BEFORE + 1;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
+        check("R7.17 R9.11", "a law uses its own parameters only", of_other_laws),
         check(
             "R9.5",
             "a live parameter set before the first sample has the effect of one set in Idle",
@@ -67,6 +69,9 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
     if it.name != CONTROLLER && client.parameter(CONTROLLER).is_ok() {
         client.put(CONTROLLER, ParameterValue::U32(law.into()))?;
     }
+    // A limited torque would hide an effect.
+    let limit = client.parameter(TORQUE_LIMIT_NM)?.max;
+    client.put(TORQUE_LIMIT_NM, limit)?;
     if when == Set::InIdle {
         client.put(&it.name, value)?;
     }
@@ -87,7 +92,12 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
         let counts = EncoderCounts::wrapping(sequence.saturating_sub(MOVING - 1).into());
         let sample = EncoderSample { sequence, motor_counts: counts, load_counts: counts, reference_rad };
         let answers = client.request_to(sample, TorqueAnswer::LAYOUT.name)?;
-        let torque_nm = torque(&answers)?.torque_nm;
+        let answer = torque(&answers)?;
+        // With some values a law may request more than is finite.
+        if answer.status.state == State::Faulted {
+            return Ok(None);
+        }
+        let torque_nm = answer.torque_nm;
         torques.push(torque_nm.to_bits());
         let new = match (when, sequence) {
             (Set::InRunning | Set::AndBack, BEFORE) => value,
@@ -108,12 +118,46 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
 /// The live parameters that may be changed at will, each with another value.
 fn live(client: &Client) -> Result<Vec<(Parameter, ParameterValue)>, Failure> {
     let live = client.description.parameters.iter().filter(|it| it.live);
-    let with_value = live.map(|it| {
-        let middle = within(it, 0.5);
-        (it.clone(), if middle == it.default { neighbour(it) } else { middle })
-    });
+    let with_value = live.map(|it| (it.clone(), another(it)));
     let found: Vec<_> = with_value.take(client.repetitions(MOST_LIVE)).collect();
     if found.is_empty() { skip("the drive has no live parameter") } else { Ok(found) }
+}
+
+/// A quarter more than the default, so that no torque is far from those of the default; else the middle of the range, or the
+/// value next to the default.
+fn another(it: &Parameter) -> ParameterValue {
+    let more = match it.default {
+        ParameterValue::F32(default) => ParameterValue::F32(1.25 * default),
+        other => other,
+    };
+    let mut candidates = [more, within(it, 0.5)].into_iter();
+    let other = candidates.find(|value| holds(it, *value) && *value != it.default);
+    other.unwrap_or_else(|| neighbour(it))
+}
+
+/// Each law, with other values of all parameters that it lacks.
+fn of_other_laws(client: &mut Client) -> RuleResult {
+    let (laws, parameters) = (client.description.laws.clone(), client.description.parameters.clone());
+    let mut has_some = false;
+    for law in laws {
+        let lacking = parameters.iter().filter(|it| !it.laws.contains(law.index));
+        let settings: Vec<_> = lacking.map(|it| (it.name.to_string(), another(it))).collect();
+        has_some |= !settings.is_empty();
+        client.reset()?;
+        client.long_watchdog()?;
+        if client.parameter(CONTROLLER).is_ok() {
+            client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
+        }
+        let first = torques_of_a_run(client, |_, _| Ok(()))?;
+        client.command(Stop {})?;
+        for (name, value) in &settings {
+            client.put(name, *value)?;
+        }
+        let again = torques_of_a_run(client, |_, _| Ok(()))?;
+        let what = format!("{} with other values of the parameters that it lacks", law.name);
+        equal_torques(&what, &first, &again)?;
+    }
+    if has_some { Ok(()) } else { skip("every law has every parameter") }
 }
 
 fn live_in_armed(client: &mut Client) -> RuleResult {

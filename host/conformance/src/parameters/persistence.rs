@@ -5,8 +5,7 @@ use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
 
 use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, WATCHDOG_US};
 
-use super::super::answers::other;
-use super::super::answers::{hello, outcome};
+use super::super::answers::{hello, other, outcome};
 use super::super::assertion::{Failure, RuleResult};
 use super::super::check::{Check, check};
 use super::super::client::Client;

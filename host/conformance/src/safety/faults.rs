@@ -16,6 +16,7 @@ use super::super::reactions::{
     accepted, fault_answer, fault_answer_with, first_sample, no_torque, reported_to, same_report,
     still_reported,
 };
+use super::timing::fault_report;
 
 /// Time after which a fault must still be latched.
 const LATCHED: Duration = Duration::from_millis(150);
@@ -134,10 +135,7 @@ pub(super) fn stays_latched(client: &mut Client, report: FaultReport) -> RuleRes
         .into_iter()
         .try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
     equal("Stop", (Outcome::WrongState, State::Faulted), client.command(Stop {})?)?;
-    let news = client.wait_for(LATCHED, |message| match message {
-        lashloop_protocol::DriveMessage::FaultReport(it) => Some(*it),
-        _ => None,
-    })?;
+    let news = client.wait_for(LATCHED, fault_report)?;
     expect(news.is_none(), "one FaultReport for one fault", news)?;
     reported_to(client, client.session ^ 1, report)?;
     reported_to(client, client.session, report)?;

@@ -21,7 +21,7 @@ const SAMPLES: u16 = 10;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R7.11", "a torque beyond the limit is limited and flagged SATURATED", limited),
+        check("R7.11 R10.14", "a torque beyond the limit is limited and flagged SATURATED", limited),
         check("R7.11", "a torque of exactly the limit is not flagged SATURATED", at_the_limit),
         check("R7.11 R9.6", "the torque limit of each run is the one set before its Arm", limits_of_runs),
         check("R7.11 R7.12", "an extreme reference gives a torque at the limit at most, or a fault", extreme),

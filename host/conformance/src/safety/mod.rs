@@ -8,6 +8,9 @@ mod watchdog;
 
 use super::check::Check;
 
+pub(super) use timing::fault_report;
+pub(super) use watchdog::{FEEDS, in_time};
+
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = limits::checks();
     checks.extend(faults::checks());

@@ -26,12 +26,12 @@ pub(super) fn micros(time: Duration) -> ParameterValue {
 pub(super) fn start_with(client: &mut Client, watchdog: Duration) -> RuleResult {
     client.idle()?;
     client.put(NAME, micros(watchdog))?;
-    client.arm()?;
+    client.arm_if_consistent()?;
     client.start()?;
     first_sample(client).map(drop)
 }
 
-pub(super) fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
+pub(crate) fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
     match message {
         DriveMessage::FaultReport(it) => Some(*it),
         _ => None,

@@ -92,6 +92,7 @@ pub(super) fn checks() -> Vec<Check> {
             far_into_a_run,
         ),
         check("R8.6", "each accepted sample restarts the watchdog", samples_in_time),
+        check("R7.2 R8.6", "stray samples before the first one do not feed the watchdog", strays_first),
         check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late::late_samples),
     ];
     checks.extend(feeds());
@@ -100,7 +101,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 /// Tries a check again that fails while an answer comes late or the bench itself is late: the drive cannot tell when the bench
 /// has sent a sample, and the bench not when the drive has processed it.
-fn in_time(Check { rules, name, run }: Check) -> Check {
+pub(crate) fn in_time(Check { rules, name, run }: Check) -> Check {
     check(rules, name, move |client| {
         for _ in 0..ATTEMPTS {
             client.slowest = Duration::ZERO;
@@ -279,9 +280,9 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
 }
 
 /// Bytes that do not feed the watchdog. The number counts the writes.
-type Feed = fn(&Client, usize) -> Vec<u8>;
+pub(crate) type Feed = fn(&Client, usize) -> Vec<u8>;
 
-const FEEDS: [(&str, &str, Feed); 5] = [
+pub(crate) const FEEDS: [(&str, &str, Feed); 5] = [
     ("R8.6", "repeating one sample does not feed the watchdog", |_, _| frame(sample(2))),
     ("R8.6", "stray samples do not feed the watchdog", |_, count| {
         frame(sample(if count.is_multiple_of(2) { 1 } else { 5000 }))
@@ -303,6 +304,25 @@ const FEEDS: [(&str, &str, Feed); 5] = [
         bytes
     }),
 ];
+
+/// Stray samples from the start on, as the first one is 0.
+fn strays_first(client: &mut Client) -> RuleResult {
+    client.idle()?;
+    client.put(NAME, micros(WATCHDOG))?;
+    client.arm_if_consistent()?;
+    client.start()?;
+    let give_up = client.line.now() + WATCHDOG + PATIENCE;
+    for sequence in 5000.. {
+        if client.state != State::Running || client.line.now() >= give_up {
+            break;
+        }
+        client.request_bytes(&frame(sample(sequence)))?;
+        client.wait_for(INTERVAL, |_| None::<()>)?;
+    }
+    equal("state after the watchdog's time", State::Faulted, client.state)?;
+    let it = fault(&client.request(hello(client.session))?)?;
+    equal("code and sequence", (FaultCode::Watchdog, 0), (it.code, it.sequence))
+}
 
 fn feeds() -> impl Iterator<Item = Check> {
     FEEDS.into_iter().map(|(rules, name, feed)| {

@@ -2,7 +2,7 @@
 
 mod other_states;
 mod repeats;
-mod runs;
+pub(super) mod runs;
 mod sequence;
 
 use std::time::Duration;

@@ -41,6 +41,11 @@ pub(super) fn checks() -> Vec<Check> {
             client.command(ClearFault {})?;
             client.arm()?;
             odd_samples(client, State::Armed)?;
+            let report = fault(&client.request(EmergencyStop {})?)?;
+            equal("last sample accepted, in the report of an EmergencyStop in Armed", 2, report.sequence)?;
+            client.command(ClearFault {})?;
+            client.arm()?;
+            odd_samples(client, State::Armed)?;
             client.start()?;
             let first = accepted(client, sample(0), TorqueFlags::empty())?;
             let same = fresh.torque_nm.to_bits() == first.torque_nm.to_bits();

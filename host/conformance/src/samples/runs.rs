@@ -32,7 +32,7 @@ fn moving(sequence: u16) -> EncoderSample {
 }
 
 /// The torques of a run from `Armed`, as bits; `after_each` follows every sample.
-pub(super) fn torques_of_a_run(
+pub(crate) fn torques_of_a_run(
     client: &mut Client,
     after_each: impl Fn(&mut Client, &EncoderSample) -> RuleResult,
 ) -> Result<Vec<u32>, Failure> {
@@ -48,7 +48,7 @@ pub(super) fn torques_of_a_run(
 }
 
 /// The torques of two runs must be equal in every bit.
-pub(super) fn equal_torques(what: &str, wanted: &[u32], got: &[u32]) -> RuleResult {
+pub(crate) fn equal_torques(what: &str, wanted: &[u32], got: &[u32]) -> RuleResult {
     for (sequence, (wanted, got)) in wanted.iter().zip(got).enumerate() {
         let [wanted_nm, got_nm] = [*wanted, *got].map(f32::from_bits);
         expect(wanted == got, format!("{what}: at sample {sequence} the torque {wanted_nm} N m"), got_nm)?;

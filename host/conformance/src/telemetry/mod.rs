@@ -10,8 +10,7 @@ use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop}
 
 use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 
-use super::answers::other;
-use super::answers::{hello, sample};
+use super::answers::{hello, other, sample};
 use super::assertion::{RuleResult, equal, skip};
 use super::check::{Check, check};
 use super::client::Client;
@@ -46,6 +45,15 @@ pub(super) fn checks() -> Vec<Check> {
             let answers = client.request(EncoderSample { reference_rad: f32::NAN, ..sample(1) })?;
             fault_answer(&answers, FaultCode::ReferenceNotFinite).map(drop)?;
             follows(client, 2, TORQUE)
+        }),
+        check("R12.5", "a repeated Subscribe is accepted again", |client| {
+            let signals = signals(client)?;
+            client.long_watchdog()?;
+            for step in [|_: &mut Client| Ok(()), Client::arm, Client::start] {
+                step(client)?;
+                (0..2).try_for_each(|_| accepted(client, signals, 3))?;
+            }
+            Ok(())
         }),
         check("R7.19 R11.2", "no telemetry follows a sample in another state than Running", |client| {
             let signals = signals(client)?;

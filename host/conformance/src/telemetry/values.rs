@@ -27,7 +27,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("R11.4", "values are of the control step of their sample", |client| {
             firmly(client, of_the_sample)
         }),
-        check("R11.4", "telemetry carries the requested torque before the limit", requested_torque),
+        check("R10.15 R11.4", "telemetry carries the requested torque before the limit", requested_torque),
     ]
 }
 

@@ -1,0 +1,202 @@
+//! What keeps a run alive, what ends it, and the run after it.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::{EmergencyStop, EncoderSample, FaultReport, Reference, Reset, Stop};
+use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, WATCHDOG_US};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
+
+use super::super::answers::{hello, other, outcome, sample};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
+use super::super::check::Check;
+use super::super::client::Client;
+use super::super::pins::{self, PINS};
+use super::super::range::nearest_whole;
+use super::super::reactions::{accepted, first_sample, no_torque};
+use super::super::safety::{FEEDS, fault_report, in_time};
+use super::super::words::Words;
+use super::run::{Run, allowed, in_turn, is_report, report};
+
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+/// Timeout for a watchdog that must trip.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        allowed("R18.9", "an EncoderSample is refused, and the run continues", refused_sample),
+        in_time(allowed(
+            "R8.5 R18.10 R18.11",
+            "a Reference, and nothing else, restarts the watchdog",
+            watchdog,
+        )),
+        in_time(allowed(
+            "R8.4 R8.6 R18.10",
+            "no other frame restarts the watchdog, and its report has the last step",
+            feeds,
+        )),
+        allowed("R18.5 R18.9", "no step follows Stop, a fault, a new session or Reset", ends),
+        allowed("R18.2 R18.9", "the value of sample_source at Arm selects the mode of each run", modes),
+    ]
+}
+
+fn refused_sample(client: &mut Client) -> RuleResult {
+    let mut run = Run::start(client, &[])?;
+    let mut reports = run.reports(3, 0.5)?;
+    let zero = EncoderCounts::default();
+    for sequence in [0, reports.len() as u16] {
+        let sample = EncoderSample { sequence, motor_counts: zero, load_counts: zero, reference_rad: 0.0 };
+        let answers = run.client.request(sample)?;
+        reports.extend(answers.iter().filter_map(report));
+        let answers: Vec<_> = answers.into_iter().filter(|it| !is_report(it)).collect();
+        equal("to an EncoderSample in bench mode", vec!["CommandResult"], names(&answers))?;
+        let got = (outcome::<EncoderSample>(&answers)?, run.client.state);
+        equal("outcome and state", (Outcome::WrongState, Running), got)?;
+        reports.extend(run.reports(3, 0.5)?);
+    }
+    // No step more, and none less.
+    in_turn(&reports, run.timing().every)
+}
+
+/// What feeds no watchdog in HIL mode doesn't here, and no sample does.
+fn feeds(client: &mut Client) -> RuleResult {
+    let watchdog_us = nearest_whole(client.parameter(WATCHDOG_US)?, 60_000)?;
+    // Among the requests, and the only one that does.
+    let reference = HostMessage::from(Reference { number: 0, reference_rad: 0.0 }).frame();
+    for (_, what, feed) in FEEDS {
+        client.reset()?;
+        let mut run = Run::start(client, &[(WATCHDOG_US, ParameterValue::U32(watchdog_us))])?;
+        let ends_at = run.client.line.now() + PATIENCE;
+        let (mut messages, mut last) = (run.refer(0.5)?, 0);
+        for count in 0.. {
+            last = messages.iter().filter_map(report).next_back().map_or(last, |it| it.sequence);
+            if let Some(it) = messages.iter().find_map(fault_report) {
+                let step = (run.timing().every == 1).then_some(last);
+                judge_trip(Some(it), watchdog_us, step)?;
+                break;
+            }
+            expect(run.client.line.now() < ends_at, format!("{what}: a FaultReport"), "none")?;
+            let bytes = feed(run.client, count);
+            messages = run.client.request_bytes(bytes.strip_suffix(&*reference).unwrap_or(&bytes))?;
+            messages.extend(run.turn()?);
+        }
+    }
+    Ok(())
+}
+
+/// Until the watchdog's report, or for some time.
+fn fault_within(run: &mut Run<'_>, time: Duration, keep_alive: bool) -> Result<Option<FaultReport>, Failure> {
+    let ends_at = run.client.line.now() + time;
+    while run.client.line.now() < ends_at {
+        let mut messages = if keep_alive { run.refer(0.5)? } else { run.client.request_bytes(&[])? };
+        messages.extend(run.turn()?);
+        let found = messages.iter().find_map(fault_report);
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(None)
+}
+
+fn watchdog(client: &mut Client) -> RuleResult {
+    let watchdog_us = nearest_whole(client.parameter(WATCHDOG_US)?, 60_000)?;
+    let watchdog = Duration::from_micros(watchdog_us.into());
+    let settings = [(WATCHDOG_US, ParameterValue::U32(watchdog_us))];
+    // From the start on, before any reference.
+    let run = Run::start(client, &settings)?;
+    let trip = run.client.wait_for(PATIENCE, fault_report)?;
+    judge_trip(trip, watchdog_us, Some(0))?;
+    no_torque(run.client, 0, Faulted)?;
+    client.reset()?;
+    let mut run = Run::start(client, &settings)?;
+    run.refer(0.5)?;
+    let early = fault_within(&mut run, 3 * watchdog, true)?;
+    equal("with references in time, faults:", None, early.map(|it| it.code))?;
+    let trip = fault_within(&mut run, PATIENCE, false)?;
+    judge_trip(trip, watchdog_us, None)?;
+    let late: HostMessage = Reference { number: 9, reference_rad: 0.0 }.into();
+    let answers = run.client.request(late)?;
+    equal("to a Reference after the deadline", vec!["CommandResult"], names(&answers))?;
+    let got = (outcome::<Reference>(&answers)?, run.client.state);
+    equal("outcome and state", (Outcome::WrongState, Faulted), got)?;
+    no_torque(client, 0, Faulted)
+}
+
+/// Requires the report of this watchdog, of a step if that is known.
+fn judge_trip(trip: Option<FaultReport>, watchdog_us: u32, sequence: Option<u16>) -> RuleResult {
+    let limit_s = 1e-6 * watchdog_us as f32;
+    let Some(it) = trip else {
+        return Err(broken(
+            format!("a FaultReport {limit_s} s after the Start or the last Reference"),
+            "none",
+        ));
+    };
+    let wanted = (FaultCode::Watchdog, sequence.unwrap_or(it.sequence), 0);
+    equal("code, sequence and detail", wanted, (it.code, it.sequence, it.detail))?;
+    let is_near =
+        (it.limit - limit_s).abs() <= 1e-6 && it.value >= it.limit && it.value <= 2.0 * limit_s + 0.1;
+    expect(is_near, format!("a silence of more than {limit_s} s, and this limit"), it)
+}
+
+fn ends(client: &mut Client) -> RuleResult {
+    let session = client.session;
+    let of_next = hello(session.wrapping_add(1));
+    let ends: [(HostMessage, State); 4] = [
+        (Stop {}.into(), Idle),
+        (EmergencyStop {}.into(), Faulted),
+        (of_next.into(), Idle),
+        (Reset {}.into(), Boot),
+    ];
+    for (end, state) in ends {
+        client.reset()?;
+        let mut run = Run::start(client, &[])?;
+        run.reports(5, 0.5)?;
+        // One of another version ends nothing.
+        run.client.request(other(session))?;
+        run.reports(3, 0.5)?;
+        let answers = run.client.request(end)?;
+        let after = answers.iter().skip_while(|it| is_report(it)).find(|it| is_report(it));
+        equal(&format!("a report behind the answer to {}:", end.words()), None, after.copied())?;
+        equal(&format!("state after {}", end.words()), state, run.client.state)?;
+        let later = run.listen(run.pause())?;
+        let what = format!("messages after the end of the run by {}:", end.words());
+        equal(
+            &what,
+            Vec::new(),
+            later.into_iter().filter(|it| !matches!(it, DriveMessage::Log(_))).collect(),
+        )?;
+        pins::refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, state)?;
+    }
+    Ok(())
+}
+
+/// Runs on the pins and on samples in turn, without a reset between them.
+fn modes(client: &mut Client) -> RuleResult {
+    let mut run = Run::start(client, &[])?;
+    let (timing, pause) = (run.timing(), run.pause());
+    for _ in 0..2 {
+        in_turn(&run.reports(3, 0.5)?, timing.every)?;
+        client.request(Stop {})?;
+        client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+        client.running(&[])?;
+        first_sample(client)?;
+        accepted(client, sample(1), TorqueFlags::empty())?;
+        pins::refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, Running)?;
+        let later = client.wait_for(pause, |message| is_report(message).then_some(*message))?;
+        equal("BenchSample in HIL mode:", None, later)?;
+        client.request(Stop {})?;
+        client.put(SAMPLE_SOURCE, PINS)?;
+        run = Run::again(client, timing)?;
+        // A Reference that Armed refuses begins no step.
+        let number = run.number;
+        run.client.request(Stop {})?;
+        if pins::arm(run.client)?.outcome == Outcome::Accepted {
+            pins::refuses_reference(run.client, Reference { number, reference_rad: 0.5 }, Armed)?;
+            run.client.start()?;
+            let early = run.listen(pause)?.into_iter().find(is_report);
+            equal("BenchSample before a Reference in Running:", None, early)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,262 @@
+//! A run in bench mode.
+
+use std::time::Duration;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
+use lashloop_protocol::message::{BenchSample, FaultReport, Reference};
+use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_SOURCE};
+
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::pins::{self, PINS, has};
+use super::super::range::nearest_whole;
+use super::super::safety::fault_report;
+use super::super::words::Words;
+
+/// A parameter and its value.
+type Setting = (&'static str, ParameterValue);
+
+const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
+pub(super) const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
+/// A pause without a step, and one between two references, on a quick drive.
+const PAUSE: Duration = Duration::from_millis(25);
+const BETWEEN: Duration = Duration::from_millis(4);
+/// References of a run at most, those before a fault, and starts that wait for the mechanics.
+const MOST_TURNS: u16 = 250;
+const FAULT_TURNS: u16 = 100;
+const MOST_WAITS: u32 = 100;
+const FIRST_NUMBER: u16 = 0x1234;
+const NO_RUN: &str = "the pins of the drive allow no run";
+
+/// A check that a drive without bench mode, and a host that doesn't allow it, leave out.
+pub(super) fn allowed(rules: &'static str, name: &'static str, run: fn(&mut Client) -> RuleResult) -> Check {
+    check(rules, name, move |client| {
+        if !has(client, Capabilities::BENCH_MODE) {
+            return skip("the drive has no bench mode");
+        }
+        if client.bench_mode.is_none() {
+            return skip("bench mode turns the power stage on; --bench-mode allows it");
+        }
+        run(client)
+    })
+}
+
+/// References that were sent, in rad, by their numbers.
+pub(super) type Sent = Vec<(u16, f32)>;
+
+/// A run in bench mode.
+pub(super) struct Run<'client> {
+    pub(super) client: &'client mut Client,
+    /// Number of the last reference.
+    pub(super) number: u16,
+    timing: Timing,
+}
+
+/// Steps, reports and references of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Timing {
+    /// Steps for each report.
+    pub(super) every: u16,
+    /// Time between two references.
+    turn: Duration,
+}
+
+impl Timing {
+    /// Of reports as often as the line has room for, and a reference for each, or more.
+    pub(super) fn fitted(client: &Client, settings: &[Setting]) -> Result<Self, Failure> {
+        let period = period(client, settings);
+        let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, steps_per_report(client, period))?;
+        Ok(Self { every: every as u16, turn: BETWEEN.max(period * every) })
+    }
+
+    /// Of a report of every n-th step, as near as the range of the parameter allows.
+    pub(super) fn of_every(client: &Client, settings: &[Setting], every: u32) -> Result<Self, Failure> {
+        let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, every)?;
+        Ok(Self { every: every as u16, turn: BETWEEN.max(period(client, settings)) })
+    }
+}
+
+/// Steps of this period for each report of one, so that the line has room for reports, references and answers.
+pub(super) fn steps_per_report(client: &Client, period: Duration) -> u32 {
+    // An exchange is a little longer than its frames.
+    (0.8 * client.exchange.div_duration_f64(period)).ceil().max(1.0) as u32
+}
+
+/// The control period of a run with these settings.
+fn period(client: &Client, settings: &[Setting]) -> Duration {
+    let set = settings.iter().find_map(|(name, value)| match value {
+        ParameterValue::U32(period_us) if *name == PERIOD_US => Some(*period_us),
+        _ => None,
+    });
+    Duration::from_micros(set.unwrap_or(client.identity.period_us).into())
+}
+
+impl<'client> Run<'client> {
+    /// From `Boot`, with as many reports as the line has room for.
+    pub(super) fn start(client: &'client mut Client, settings: &[Setting]) -> Result<Self, Failure> {
+        let timing = Timing::fitted(client, settings)?;
+        Self::start_at(client, timing, settings)
+    }
+
+    /// From `Boot`. Waits until the mechanics of a run before have come to rest, if the drive requires it.
+    pub(super) fn start_at(
+        client: &'client mut Client,
+        timing: Timing,
+        settings: &[Setting],
+    ) -> Result<Self, Failure> {
+        for _ in 0..MOST_WAITS {
+            client.long_watchdog()?;
+            let [scale, twist] =
+                [TORQUE_PER_DUTY_NM, TWIST_LIMIT_RAD].map(|name| client.parameter(name).map(|it| it.max));
+            let known_nm = client.bench_mode.and_then(|it| it.torque_per_duty_nm);
+            client.put(TORQUE_PER_DUTY_NM, known_nm.map_or(scale?, ParameterValue::F32))?;
+            client.put(TWIST_LIMIT_RAD, twist?)?;
+            client.put_all(&[
+                (SAMPLE_SOURCE, PINS),
+                (BENCH_SAMPLE_EVERY, ParameterValue::U32(timing.every.into())),
+            ])?;
+            client.put_all(settings)?;
+            let it = pins::arm(client)?;
+            match it.outcome {
+                Outcome::Accepted => {
+                    client.start()?;
+                    return Ok(Self { client, number: FIRST_NUMBER, timing });
+                }
+                Outcome::EncoderImplausible => {}
+                Outcome::Inconsistent if settings.is_empty() => {
+                    let expected =
+                        "Arm in bench mode, with the widest limits and else the defaults, Accepted";
+                    return Err(broken(expected, it.words()));
+                }
+                _ => return skip(NO_RUN),
+            }
+            client.wait_for(PAUSE, |_| None::<()>)?;
+            client.reset()?;
+        }
+        skip(NO_RUN)
+    }
+
+    /// From `Idle`, with the settings of the run before.
+    pub(super) fn again(client: &'client mut Client, timing: Timing) -> Result<Self, Failure> {
+        match pins::arm(client)?.outcome {
+            Outcome::Accepted => {}
+            _ => return skip(NO_RUN),
+        }
+        client.start()?;
+        Ok(Self { client, number: FIRST_NUMBER, timing })
+    }
+
+    pub(super) const fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// A pause in which several reports are due.
+    pub(super) fn pause(&self) -> Duration {
+        PAUSE.max(8 * self.timing.turn)
+    }
+
+    /// What arrives until the next reference.
+    pub(super) fn turn(&mut self) -> Result<Vec<DriveMessage>, Failure> {
+        self.listen(self.timing.turn)
+    }
+
+    /// Sends a reference and returns what came before the drive had taken it.
+    pub(super) fn refer(&mut self, reference_rad: f32) -> Result<Vec<DriveMessage>, Failure> {
+        self.number = self.number.wrapping_add(0x3b1d);
+        let messages = self.client.request(Reference { number: self.number, reference_rad })?;
+        let answer = messages.iter().find(|it| matches!(it, DriveMessage::CommandResult(_)));
+        let is_refused = messages.iter().any(|it| fault_report(it).is_some());
+        expect(answer.is_none() || is_refused, "no answer to a Reference in Running", answer.copied())?;
+        Ok(messages)
+    }
+
+    /// What arrives for some time.
+    pub(super) fn listen(&mut self, time: Duration) -> Result<Vec<DriveMessage>, Failure> {
+        let mut messages = Vec::new();
+        self.client.wait_for(time, |message| {
+            messages.push(*message);
+            None::<()>
+        })?;
+        Ok(messages)
+    }
+
+    /// References until this many messages have arrived that `wanted` takes. Returns all messages.
+    pub(super) fn until(
+        &mut self,
+        count: usize,
+        wanted: fn(&DriveMessage) -> bool,
+        reference_rad: impl Fn(u16) -> f32,
+    ) -> Result<(Vec<DriveMessage>, Sent), Failure> {
+        let (mut messages, mut sent, mut turns) = (Vec::new(), Vec::new(), 0);
+        while messages.iter().filter(|it| wanted(it)).count() < count {
+            let reference_rad = reference_rad(turns);
+            messages.extend(self.refer(reference_rad)?);
+            sent.push((self.number, reference_rad));
+            messages.extend(self.turn()?);
+            turns += 1;
+            let of_fault = messages.iter().find(|it| matches!(it, DriveMessage::FaultReport(_)));
+            if let Some(report) = of_fault {
+                return Err(broken("a run in bench mode without a fault", report.words()));
+            }
+            if turns > MOST_TURNS {
+                return Err(broken(format!("{count} reports in bench mode"), messages.words()));
+            }
+        }
+        Ok((messages, sent))
+    }
+
+    /// As [`Self::until`], for reports of steps, at a reference.
+    pub(super) fn reports(&mut self, count: usize, reference_rad: f32) -> Result<Vec<BenchSample>, Failure> {
+        let (messages, _) = self.until(count, is_report, |_| reference_rad)?;
+        Ok(messages.iter().filter_map(report).collect())
+    }
+
+    /// The reports of steps at a reference and, if one comes, the report of a fault, which ends them.
+    pub(super) fn until_fault(
+        &mut self,
+        reference_rad: f32,
+    ) -> Result<(Vec<BenchSample>, Option<FaultReport>), Failure> {
+        let (mut reports, mut fault) = (Vec::<BenchSample>::new(), None);
+        for _ in 0..FAULT_TURNS {
+            let mut messages = self.refer(reference_rad)?;
+            messages.extend(self.turn()?);
+            for message in &messages {
+                expect(
+                    fault.is_none() || !is_report(message),
+                    "no BenchSample after a FaultReport",
+                    *message,
+                )?;
+                let of_fault = |it: &BenchSample| it.status.state != State::Running;
+                let follows =
+                    matches!(message, DriveMessage::Telemetry(_)) && reports.last().is_some_and(of_fault);
+                expect(!follows, "no Telemetry of the step that causes a fault", *message)?;
+                reports.extend(report(message));
+                fault = fault.or_else(|| fault_report(message));
+            }
+            if fault.is_some() {
+                break;
+            }
+        }
+        Ok((reports, fault))
+    }
+}
+
+pub(super) const fn report(message: &DriveMessage) -> Option<BenchSample> {
+    match message {
+        DriveMessage::BenchSample(it) => Some(*it),
+        _ => None,
+    }
+}
+
+pub(super) const fn is_report(message: &DriveMessage) -> bool {
+    matches!(message, DriveMessage::BenchSample(_))
+}
+
+/// Requires the steps of a run from its start on, at this interval.
+pub(super) fn in_turn(reports: &[BenchSample], every: u16) -> RuleResult {
+    let numbers: Vec<_> = reports.iter().map(|it| it.sequence).collect();
+    let wanted: Vec<_> = (0..numbers.len() as u16).map(|place| place * every).collect();
+    equal(&format!("numbers of the steps, with {BENCH_SAMPLE_EVERY} {every},"), wanted, numbers)
+}

@@ -1,0 +1,190 @@
+//! The steps of a run: their numbers, references, period, reports and telemetry.
+
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::{BenchSample, Stop, Subscribe};
+use lashloop_protocol::parameter_names::{PERIOD_US, TORQUE_LIMIT_NM};
+
+use super::super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::super::check::Check;
+use super::super::client::Client;
+use super::super::exchanges::result;
+use super::super::range::nearest_whole;
+use super::super::telemetry::subscription::signals;
+use super::run::{Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
+
+use State::{Idle, Running};
+
+/// Steps over which the period is measured: more than 8 bits count. Fewer if they would take longer than this.
+const PACED_STEPS: u32 = 300;
+const LONGEST_PACE_US: u32 = 600_000;
+/// Error of the drive's clock against its own timer, and against the bench's clock, as fractions.
+const OWN_CLOCK: f64 = 0.02;
+const OTHER_CLOCK: f64 = 0.1;
+/// Lateness of the bench with which its clock counts.
+const LATEST: Duration = Duration::from_millis(4);
+/// Steps whose reports are on their way, at either end.
+const UNDERWAY: f64 = 3.0;
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        allowed(
+            "R18.6 R18.7",
+            "the first Reference begins the steps, and each has the last one's number",
+            steps,
+        ),
+        allowed("R18.6", "a step is made in every control period", |client| {
+            let period_us = client.identity.period_us;
+            pace(client, period_us)
+        }),
+        allowed("R9.6 R18.6", "the control period of the steps is the one set before Arm", |client| {
+            let period_us = client.identity.period_us;
+            pace(client, period_us / 2)
+        }),
+        allowed("R18.7", "every n-th step is reported, the first included", every),
+        allowed("R18.7", "telemetry follows every n-th step, after its report", telemetry),
+    ]
+}
+
+fn steps(client: &mut Client) -> RuleResult {
+    let limit_nm = client.real(TORQUE_LIMIT_NM).ok();
+    let period_tenths_us = u64::from(client.identity.period_us) * 10;
+    let mut run = Run::start(client, &[])?;
+    let timing = run.timing();
+    for round in ["first", "second"] {
+        if round == "second" {
+            run = Run::again(run.client, timing)?;
+        }
+        let early = run.listen(run.pause())?;
+        let what = format!("messages before the first Reference of the {round} run:");
+        equal(&what, Vec::new(), early.iter().filter(|it| is_report(it)).copied().collect())?;
+        let mut reports = Vec::new();
+        for reference_rad in [1.0, 0.5, -1.0, 0.0] {
+            let before = run.refer(reference_rad)?;
+            reports.extend(before.iter().filter_map(report));
+            let number = run.number;
+            // The step that was due when it arrived may have had the one before.
+            let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(report).collect();
+            let got: Vec<_> = after.iter().skip(2).map(|it| it.reference_number).collect();
+            expect(!got.is_empty(), "reports after a Reference", "none")?;
+            equal("number of the Reference in later reports", vec![number; got.len()], got)?;
+            reports.extend(after);
+        }
+        in_turn(&reports, timing.every)?;
+        for it in &reports {
+            let flags = it.status.flags - TorqueFlags::SATURATED;
+            equal(
+                "state and flags but SATURATED",
+                (Running, TorqueFlags::empty()),
+                (it.status.state, flags),
+            )?;
+            let is_within = limit_nm.is_none_or(|limit_nm| it.torque_nm.abs() <= limit_nm);
+            expect(is_within, "a finite torque within torque_limit_nm", it.torque_nm)?;
+        }
+        // One step may have been interrupted after the drive had looked at its end.
+        let ended_late = |it: &BenchSample| {
+            u64::from(it.lateness_tenths_us) + u64::from(it.compute_tenths_us) > period_tenths_us
+        };
+        expect(
+            !reports.iter().all(ended_late),
+            "a TickOverrun, or lateness and compute time within a period",
+            DriveMessage::from(reports[0]),
+        )?;
+        let answers = run.client.request(Stop {})?;
+        let answers: Vec<_> = answers.into_iter().filter(|it| !is_report(it)).collect();
+        equal("answers to Stop", vec!["LineReport", "CommandResult"], names(&answers))?;
+    }
+    Ok(())
+}
+
+/// The latest step, and when the drive reported it.
+#[derive(Clone, Copy)]
+struct Place {
+    sequence: u16,
+    at: Instant,
+    device_us: Option<u32>,
+}
+
+/// The steps of a run with this period, against the drive's clock, or the bench's if the drive has none.
+fn pace(client: &mut Client, period_us: u32) -> RuleResult {
+    let period_us = nearest_whole(client.parameter(PERIOD_US)?, period_us)?;
+    let count = PACED_STEPS.min(LONGEST_PACE_US / period_us.max(1));
+    let mut run = Run::start(client, &[(PERIOD_US, ParameterValue::U32(period_us))])?;
+    let (mut first, mut last, mut latest) = (None, None, None);
+    run.client.slowest = Duration::ZERO;
+    let ends_at = run.client.line.now() + Duration::from_micros(LONGEST_PACE_US.into()) * 2;
+    while run.client.line.now() < ends_at {
+        let messages = run.refer(0.5)?;
+        latest = messages.iter().filter_map(report).next_back().or(latest);
+        if let Some(BenchSample { sequence, .. }) = latest {
+            let place =
+                Place { sequence, at: run.client.line.now(), device_us: run.client.arrivals.device_us };
+            let first = *first.get_or_insert(place);
+            last = Some(place);
+            if u32::from(sequence.wrapping_sub(first.sequence)) >= count {
+                break;
+            }
+        }
+        latest = run.turn()?.iter().filter_map(report).next_back().or(latest);
+    }
+    let (Some(first), Some(last)) = (first, last) else {
+        return expect(false, "reports after a Reference", "none");
+    };
+    let own = first.device_us.zip(last.device_us).map(|(from, to)| f64::from(to.wrapping_sub(from)));
+    let passed_us = own.unwrap_or_else(|| 1e6 * last.at.saturating_duration_since(first.at).as_secs_f64());
+    if own.is_none() && run.client.slowest > LATEST {
+        return Err(Failure::NotJudged { cause: "this machine is too busy to time the steps".to_owned() });
+    }
+    let tolerance = if own.is_some() { OWN_CLOCK } else { OTHER_CLOCK };
+    let periods = passed_us / f64::from(period_us);
+    let (least, most) = (periods * (1.0 - tolerance) - UNDERWAY, periods * (1.0 + tolerance) + UNDERWAY);
+    let steps = last.sequence.wrapping_sub(first.sequence);
+    let expected = format!("{least:.0} to {most:.0} steps of {period_us} us in {:.1} ms", 1e-3 * passed_us);
+    expect((least..=most).contains(&f64::from(steps)), expected, steps)
+}
+
+fn every(client: &mut Client) -> RuleResult {
+    let period = Duration::from_micros(client.identity.period_us.into());
+    // The last one exceeds 8 bits.
+    for (times, count) in [(2, 6), (3, 6), (10, 6), (300, 2)] {
+        client.reset()?;
+        let timing = Timing::of_every(client, &[], times * steps_per_report(client, period))?;
+        in_turn(&Run::start_at(client, timing, &[])?.reports(count, 0.5)?, timing.every)?;
+    }
+    Ok(())
+}
+
+fn telemetry(client: &mut Client) -> RuleResult {
+    let signals = signals(client)?;
+    let fitted = Timing::fitted(client, &[])?;
+    // Of every second report, and twice as often as reports.
+    for (steps, every) in [(1, 2), (2, 1)] {
+        client.reset()?;
+        client.idle()?;
+        let every = every * fitted.every;
+        client.exchange("in Idle", &[result(Subscribe { signals, every }, Outcome::Accepted, Idle)])?;
+        let timing = Timing::of_every(client, &[], steps * u32::from(fitted.every))?;
+        let mut run = Run::start_at(client, timing, &[])?;
+        let (messages, _) = run.until(4, |it| matches!(it, DriveMessage::Telemetry(_)), |_| 0.5)?;
+        let (mut last, mut numbers) = (None, Vec::new());
+        for message in &messages {
+            match message {
+                DriveMessage::BenchSample(it) => last = Some(it.sequence),
+                DriveMessage::Telemetry(it) => {
+                    if it.sequence.is_multiple_of(timing.every) {
+                        equal("telemetry after the report of its step:", last, Some(it.sequence))?;
+                    }
+                    let count = it.values.as_slice().len();
+                    equal("values in the telemetry:", signals.count_ones() as usize, count)?;
+                    numbers.push(it.sequence);
+                }
+                _ => {}
+            }
+        }
+        let wanted: Vec<_> = (0..numbers.len() as u16).map(|place| every * place).collect();
+        equal(&format!("steps with telemetry, of every {every}:"), wanted, numbers)?;
+    }
+    Ok(())
+}
