@@ -57,27 +57,32 @@ fn judge_beside(witness: impl Fn(&AtomicBool) -> Duration + Sync, test: impl Fn(
 
 /// The largest lateness of a witness on any core until the test is over.
 fn latest(is_over: &AtomicBool) -> Duration {
+    let began = Instant::now();
     let cores = sched_getaffinity(None).ok().into_iter();
     let cores = cores.flat_map(|allowed| (0..CpuSet::MAX_CPU).filter(move |core| allowed.is_set(*core)));
     thread::scope(|scope| {
-        let witnesses: Vec<_> = cores.map(|core| scope.spawn(move || latest_on(core, is_over))).collect();
+        let witnesses: Vec<_> =
+            cores.map(|core| scope.spawn(move || latest_on(core, is_over, began))).collect();
         let late = witnesses.into_iter().map(|witness| witness.join().expect("a witness"));
         late.max().unwrap_or_default()
     })
 }
 
-fn latest_on(core: usize, is_over: &AtomicBool) -> Duration {
+/// From the beginning of the test on: a witness that first wakes after its end was late too.
+fn latest_on(core: usize, is_over: &AtomicBool, began: Instant) -> Duration {
     let mut own = CpuSet::new();
     own.set(core);
     // A system that refuses leaves a witness on any core.
     let _ = sched_setaffinity(None, &own);
-    let mut latest = Duration::ZERO;
-    while !is_over.load(Ordering::Relaxed) {
-        let due = Instant::now() + INTERVAL;
-        thread::sleep(INTERVAL);
+    let (mut latest, mut due) = (Duration::ZERO, began + INTERVAL);
+    loop {
+        thread::sleep(due.saturating_duration_since(Instant::now()));
         latest = latest.max(due.elapsed());
+        if is_over.load(Ordering::Relaxed) {
+            return latest;
+        }
+        due = Instant::now() + INTERVAL;
     }
-    latest
 }
 
 #[cfg(test)]

@@ -83,10 +83,10 @@ fn no_message(client: &mut Client, state: State, time: Duration) -> RuleResult {
     equal(&format!("in {state} without a request, message other than a Log"), None, unasked)
 }
 
-/// The time before and after a read, and the device time of its answer.
+/// The time before and after a read, and the device time of its answer, the only one.
 fn clocks(client: &mut Client) -> Result<([Instant; 2], Option<u32>), Failure> {
     let before = client.line.now();
-    client.request(GetParameter { index: 0 })?;
+    client.request_one(GetParameter { index: 0 })?;
     Ok(([before, client.line.now()], client.arrivals.device_us))
 }
 

@@ -73,6 +73,9 @@ fn every_number(client: &mut Client) -> RuleResult {
         let armed = result(Arm { session }, Accepted, Armed);
         let running = result(Start { session }, Accepted, Running);
         client.exchange(&format!("in session {session}"), &[armed, running])?;
+        client.command(EmergencyStop {})?;
+        let cleared = client.command(ClearFault {})?;
+        equal(&format!("ClearFault in session {session}"), (Accepted, Idle), cleared)?;
     }
     Ok(())
 }

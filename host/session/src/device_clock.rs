@@ -1,4 +1,7 @@
 //! The clock of a drive on the host's time, read at the shortest round trip.
+//!
+//! Samples have no numbers, so a run reads no clock. A message of a run is off by what both clocks have drifted since the answer to
+//! `Start`: 50 us for each second at 50 ppm.
 
 use std::time::{Duration, Instant};
 
@@ -94,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn logs_of_two_drives_align_within_20_us() {
+    fn logs_of_two_drives_whose_clocks_keep_time_align_within_20_us() {
         let turn = Duration::from_micros(u64::from(u32::MAX) + 1);
         let now = Instant::now() + turn;
         let first = drive(now, Duration::from_secs(3), [25, 45]);

@@ -59,6 +59,10 @@ fn new_start(client: &mut Client) -> RuleResult {
 fn compute_time(client: &mut Client) -> RuleResult {
     client.running(&[])?;
     for sequence in 0..10 {
+        if sequence == 5 {
+            // The time since the sample before is another one.
+            client.wait_for(Duration::from_millis(20), |_| None::<()>)?;
+        }
         let sent = client.line.now();
         let answer = torque(&client.sample(sequence)?)?;
         let waited = client.line.now().saturating_duration_since(sent);

@@ -66,8 +66,12 @@ pub(super) fn checks() -> Vec<Check> {
             follows(client, 0, TORQUE)
         }),
         check("R11.3", "every = 0 and no signal mean no telemetry", |client| {
-            for (signals, every) in [(signals(client)?, 0), (0, 1), (0, 0)] {
+            let all = signals(client)?;
+            for (signals, every) in [(all, 0), (0, 1), (0, 0)] {
                 client.reset()?;
+                // Nothing of another subscription is left.
+                client.idle()?;
+                accepted(client, all, 1)?;
                 running_with(client, signals, every)?;
                 (0..4).try_for_each(|sequence| follows(client, sequence, TORQUE))?;
             }
