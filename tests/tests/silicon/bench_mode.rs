@@ -1,6 +1,5 @@
 //! Runs in bench mode: the drive counts the edges of its encoders and drives its bridge, with the plant behind the pins.
 
-use tests::battery::{self, LASHLOOP_BENCH_SKIPS};
 use tests::paper::PATIENCE;
 use tests::program::{self, Ended};
 use tests::records::Records;
@@ -64,13 +63,6 @@ pub(crate) fn second_board() {
     // The load moves by counts of the encoder that the board has at other pins.
     let load_rad = records.trace().column("load_position_rad");
     assert!((load_rad[299] - load_rad[0]).abs() > 1e-3, "{} rad", load_rad[299] - load_rad[0]);
-}
-
-/// With samples of the host, and on encoders and power stage of the chip.
-pub(crate) fn conforms() {
-    let plant = format!("scenarios/{SMOOTH_AFTER}.toml");
-    let ended = program::run(["conformance", "--device", "silicon", "--bench-mode", "--plant", &plant]);
-    battery::all_passed(&ended.with_code(0).stdout, LASHLOOP_BENCH_SKIPS);
 }
 
 pub(crate) fn fails() {

@@ -26,7 +26,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 17] = [
+const TRIALS: [(&str, Check); 16] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -39,7 +39,6 @@ const TRIALS: [(&str, Check); 17] = [
     ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),
     ("bench_mode::a_silent_host_trips_the_watchdog", bench_mode::unplugged_for_a_while),
     ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),
-    ("bench_mode::every_check_of_conformance_passes_on_both_sides_of_the_pins", bench_mode::conforms),
     ("against_hil::the_experiment_differs_from_its_simulation_as_explained", against_hil::experiment),
     ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
     ("experiment::a_person_brings_the_load_to_its_start", experiment::waits_for_the_start),
