@@ -1,6 +1,14 @@
-//! The output of `lashloop conformance` on drives that pass.
+//! Conformance: the output of the command on drives that pass, and the checks of bench mode alone.
 
 use std::collections::BTreeSet;
+use std::time::Duration;
+
+use lashloop_bench::device::{Connection, DeviceChoice};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
+use lashloop_conformance::{CheckResult, PowerStage, Reporter, TIME_LIMIT};
+use lashloop_link::Link;
 
 /// What the Lashloop drive's description excludes.
 pub const LASHLOOP_SKIPS: &[&str] =
@@ -45,4 +53,57 @@ pub fn all_passed(stdout: &str, reasons: &[&str]) -> usize {
     let got: BTreeSet<_> = got.filter(|reason| *reason != TOO_SLOW).collect();
     assert_eq!(got, reasons.iter().copied().collect(), "{stdout}");
     passed + skipped
+}
+
+/// Baud rate of the line.
+const BAUD: u32 = 921_600;
+
+/// The checks of bench mode alone.
+pub struct BenchMode {
+    /// Their results.
+    pub results: Vec<CheckResult>,
+    /// As of [`Reporter::time_limit`].
+    pub time_limit: Duration,
+    /// Names of checks that aren't made.
+    pub omitted: &'static [&'static str],
+}
+
+impl Default for BenchMode {
+    fn default() -> Self {
+        Self { results: Vec::new(), time_limit: TIME_LIMIT, omitted: &[] }
+    }
+}
+
+impl BenchMode {
+    /// Makes the checks on a drive with a plant of the paper at its pins, reached by a link that is made of its own.
+    ///
+    /// # Panics
+    /// The drive does not start, or does not answer.
+    pub fn run(&mut self, device: &str, link: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>) {
+        let path = crate::workspace().join("scenarios/bench-smooth-after.toml");
+        let scenario = Scenario::from_file(&path, &[]).expect("a scenario");
+        let device: DeviceChoice = device.parse().expect("a device");
+        let with_plant = device.for_run(&scenario, ClockName::RealTime).expect("a plant");
+        let supervisor = Supervisor::without_signals(None).expect("a supervisor");
+        let (drive, _connection) = Connection::open(&with_plant, BAUD, &supervisor).expect("a drive");
+        lashloop_conformance::run(link(drive), 7, self).expect("a drive that answers");
+    }
+}
+
+impl Reporter for BenchMode {
+    fn checked(&mut self, result: &CheckResult) {
+        self.results.push(result.clone());
+    }
+
+    fn wants(&self, group: &str, name: &str) -> bool {
+        group == "bench_mode" && !self.omitted.contains(&name)
+    }
+
+    fn bench_mode(&self) -> Option<PowerStage> {
+        Some(PowerStage { torque_per_duty_nm: Some(62.5) })
+    }
+
+    fn time_limit(&self) -> Duration {
+        self.time_limit
+    }
 }

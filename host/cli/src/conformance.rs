@@ -1,31 +1,34 @@
 //! `lashloop conformance`: whether a drive conforms to the protocol.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, value_parser};
 use lashloop::Bench;
-use lashloop_bench::device::{Connection, DeviceChoice, session_number};
+use lashloop_bench::device::{Connection, DeviceChoice, DeviceError, session_number};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
-use lashloop_conformance::{self as conformance, CheckResult, CheckStatus, Listed, PowerStage, Reporter};
+use lashloop_conformance::{
+    self as conformance, CheckResult, CheckStatus, Listed, PowerStage, Reporter, TIME_LIMIT,
+};
 use lashloop_protocol::message::Identity;
 use lashloop_report::junit::{Case, Kind};
 
 use super::error::CliError;
 use super::options::{BaudOption, DeviceOption, plants};
-use super::output::{outln, print_json};
+use super::output::{complain, outln, print_json};
 use super::report_files;
 use super::supervision::start_supervisor;
 
 /// Check a drive against the protocol, rule by rule
 ///
 /// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
-/// mechanics: some checks produce torque. Ends after 60 s at most; repeats less on a slow line: 10 times, 5 from 1.5 ms for an
-/// exchange, once from 2.5 ms. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the line fails or
-/// if rules were left untested for lack of time.
+/// mechanics: some checks produce torque. Repeats less on a slow line: 10 times, 5 from 1.5 ms for an
+/// exchange, once from 2.5 ms. Exit code 1 if the drive breaks a rule or its program ends by itself, 3 if interrupted, 4 if the
+/// drive or the line fails or if rules were left untested for lack of time.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -46,6 +49,10 @@ pub(crate) struct Arguments {
     /// Torque in N m for a duty of 1, so that the mechanics move; without it, next to no torque, or that of --plant
     #[arg(long, value_name = "NM", requires = "bench_mode")]
     torque_per_duty_nm: Option<f32>,
+
+    /// Time in s for all checks, a twelfth of it for each attempt at one: more for an emulated drive
+    #[arg(long, value_name = "S", default_value_t = TIME_LIMIT.as_secs(), value_parser = value_parser!(u64).range(12..=3600))]
+    time_limit_s: u64,
 
     #[command(flatten)]
     line: BaudOption,
@@ -79,12 +86,19 @@ impl Arguments {
             supervisor: &supervisor,
             is_silent: self.json,
             bench_mode: self.bench_mode.then_some(PowerStage { torque_per_duty_nm }),
+            time_limit: Duration::from_secs(self.time_limit_s),
         };
         let signals = supervisor.guard_signals();
         let ended = conformance::run(link, session_number(), &mut printer);
         drop(signals);
+        let ended = match ended.map_err(|source| connection.explain(source)) {
+            Err(error) if error.has_crashed() && !supervisor.interrupted() => {
+                printer.checked(&crashed(&error));
+                Ok(())
+            }
+            ended => ended,
+        };
         let Printer { device, results, .. } = printer;
-        let ended = ended.map_err(|source| connection.explain(source));
         if let Some(path) = &self.junit {
             let interrupted = supervisor.interrupted().then(|| "interrupted".to_owned());
             let ended_by = ended.as_ref().err().map(ToString::to_string).or(interrupted);
@@ -99,8 +113,12 @@ impl Arguments {
         if self.json {
             print_json(&results)?;
         }
-        ended?;
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
+        match ended {
+            // The drive breaks a rule, whatever comes after.
+            Err(error) if failed > 0 => complain(format_args!("{error}")),
+            ended => ended?,
+        }
         if !self.json {
             outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
         }
@@ -125,6 +143,19 @@ fn with_plant(
     }
     let torque_per_duty_nm = scenario.bench.torque_per_duty_nm().map(|scale_nm| scale_nm as f32);
     Ok((device.for_run(&scenario, ClockName::RealTime)?, torque_per_duty_nm))
+}
+
+/// The result for a drive whose program has ended.
+fn crashed(error: &DeviceError) -> CheckResult {
+    let (expected, got) = ("a program that ends with its input".to_owned(), error.to_string());
+    CheckResult {
+        group: "run",
+        rules: "",
+        name: "the drive runs to the last check".to_owned(),
+        status: CheckStatus::Failed { expected, got },
+        note: String::new(),
+        took: Duration::ZERO,
+    }
 }
 
 /// A check that was not judged is an error.
@@ -189,6 +220,7 @@ struct Printer<'a> {
     /// Whether the results are printed at the end instead.
     is_silent: bool,
     bench_mode: Option<PowerStage>,
+    time_limit: Duration,
 }
 
 impl Reporter for Printer<'_> {
@@ -218,6 +250,10 @@ impl Reporter for Printer<'_> {
 
     fn bench_mode(&self) -> Option<PowerStage> {
         self.bench_mode
+    }
+
+    fn time_limit(&self) -> Duration {
+        self.time_limit
     }
 
     fn is_interrupted(&self) -> bool {

@@ -47,6 +47,8 @@ pub(super) struct Client {
     pub(super) arrivals: Arrivals,
     /// Whether the drive may turn its power stage on, and how.
     pub(super) bench_mode: Option<PowerStage>,
+    /// Whether an `Arm` in bench mode has found the encoders read since power-up.
+    pub(super) has_read_encoders: bool,
     /// Whether the drive loses requests of one write, so that each is sent alone.
     pub(super) sends_alone: bool,
     /// Answers that arrived before the last requests of a call were sent.
@@ -90,7 +92,7 @@ impl Client {
         let exchange = describing / answers;
         let defects = defects.iter().map(ToString::to_string).collect();
         let starvation = Starvation::look(&mut line);
-        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "", starvation };
+        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: String::new(), starvation };
         let arrivals = Arrivals::new(&identity);
         let (state, waited_until) = (identity.state, line.now());
         Ok(Self {
@@ -102,6 +104,7 @@ impl Client {
             defects,
             arrivals,
             bench_mode: None,
+            has_read_encoders: false,
             sends_alone: false,
             early: VecDeque::new(),
             overdue: 0,
@@ -329,7 +332,7 @@ impl Client {
             return Ok(());
         }
         self.is_unsettled = true;
-        Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() })
+        Err(Failure::NotJudged { cause: self.time_up.cause.clone() })
     }
 
     /// Notes by how much the bench is later than `due`.

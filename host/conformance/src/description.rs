@@ -8,13 +8,13 @@ use lashloop_protocol::limits::{
     FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MAX_LAWS, MAX_SIGNALS, OUTCOME_NAMES, STATE_NAMES,
 };
 use lashloop_protocol::message::{
-    ChoiceDescription, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity,
+    ChoiceDescription, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Hello, Identity,
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use lashloop_session::{Description, LawMask, Parameter};
+use lashloop_session::{Description, LawMask, Parameter, SessionError};
 
 use super::assertion::{Failure, RuleResult, broken, equal, expect};
 use super::check::{Check, check};
@@ -22,7 +22,30 @@ use super::client::Client;
 use super::exchanges::{Exchange, result};
 use super::parameters::foreign_names;
 use super::range::{beyond, neighbour};
+use super::result::{CheckResult, CheckStatus};
 use super::words::Words;
+
+pub(super) const GROUP: &str = "description";
+
+/// Rules, name and expectation of the check of the description as a whole.
+const DESCRIBED: (&str, &str, &str) = (
+    "R9.8 R10.1 R10.6 R10.8",
+    "the drive describes all that it announces",
+    "possible counts and choices, and a description of each index",
+);
+
+/// The result of that check for a drive that has answered `Hello` and then sends nothing that answers a request of its
+/// description; `None` for one that is silent.
+pub(super) fn undescribed(error: &SessionError) -> Option<CheckResult> {
+    let SessionError::Silent { waiting_for, limit, diagnosis, .. } = error else { return None };
+    if *waiting_for == Hello::LAYOUT.name || diagnosis.is_silence() {
+        return None;
+    }
+    let (rules, name, expected) = DESCRIBED;
+    let status = CheckStatus::Failed { expected: expected.to_owned(), got: error.to_string() };
+    let (name, note) = (name.to_owned(), String::new());
+    Some(CheckResult { group: GROUP, rules, name, status, note, took: *limit })
+}
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -31,13 +54,9 @@ pub(super) fn checks() -> Vec<Check> {
             expect((1..=MAX_LAWS).contains(&usize::from(laws)), "1 to 16 laws", laws)?;
             expect(usize::from(signals) <= MAX_SIGNALS, "at most 32 signals", signals)
         }),
-        check("R9.8 R10.1 R10.6 R10.8", "the drive describes all that it announces", |client| {
+        check(DESCRIBED.0, DESCRIBED.1, |client| {
             let got = client.defects.join("; ");
-            expect(
-                client.defects.is_empty(),
-                "possible counts and choices, and a description of each index",
-                got,
-            )
+            expect(client.defects.is_empty(), DESCRIBED.2, got)
         }),
         check("R10.1 R10.6 R10.8", "names of laws, signals and choices are unique and not empty", |client| {
             let it = &client.description;

@@ -12,10 +12,9 @@ use super::result::{CheckResult, CheckStatus};
 use super::time_up::{Starvation, TimeUp};
 
 /// Time for all checks of any drive. A line of 115,200 Bd takes two thirds of it.
-const RUN_LIMIT: Duration = Duration::from_secs(60);
-const RUN_TIME_UP: &str = "60 s have passed";
-/// Time for one attempt at a check.
-const CHECK_LIMIT: Duration = Duration::from_secs(5);
+pub const TIME_LIMIT: Duration = Duration::from_secs(60);
+/// Parts of that time, one of which is for one attempt at a check.
+const PARTS: u32 = 12;
 /// Consecutive checks without a good frame after which the drive is lost.
 const MOST_SILENT_CHECKS: u32 = 3;
 /// Attempts of a check that a drive or a bench that stands still may spoil.
@@ -33,12 +32,18 @@ fn short(mut text: String) -> String {
     text
 }
 
+fn passed(limit: Duration) -> String {
+    format!("{} s have passed", limit.as_secs())
+}
+
 fn failed(expected: String, got: String) -> CheckStatus {
     CheckStatus::Failed { expected: short(expected), got: short(got) }
 }
 
 /// What earlier checks mean for the next one.
 pub(super) struct Judge {
+    /// Time for all checks.
+    limit: Duration,
     /// When the time for all checks ends, but for the time for which the drive's program waits for a core.
     ends_at: Instant,
     /// At the start.
@@ -54,9 +59,10 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    pub(super) fn new(client: &mut Client) -> Self {
+    pub(super) fn new(client: &mut Client, limit: Duration) -> Self {
         Self {
-            ends_at: client.opened_at + RUN_LIMIT,
+            limit,
+            ends_at: client.opened_at + limit,
             starvation: Starvation::look(&mut client.line),
             failed_preparations: HashMap::new(),
             silent_checks: 0,
@@ -104,13 +110,14 @@ impl Judge {
         let run_ends_at = self.ends_at + self.starvation.until(starvation);
         self.is_made = now < run_ends_at;
         if !self.is_made {
-            return Err(Failure::NotJudged { cause: RUN_TIME_UP.to_owned() });
+            return Err(Failure::NotJudged { cause: passed(self.limit) });
         }
-        let check_ends_at = now + CHECK_LIMIT;
-        client.begin(if check_ends_at < run_ends_at {
-            TimeUp { at: check_ends_at, cause: "5 s have passed in this check", starvation }
+        let check_limit = self.limit / PARTS;
+        client.begin(if now + check_limit < run_ends_at {
+            let cause = format!("{} in this check", passed(check_limit));
+            TimeUp { at: now + check_limit, cause, starvation }
         } else {
-            TimeUp { at: run_ends_at, cause: RUN_TIME_UP, starvation }
+            TimeUp { at: run_ends_at, cause: passed(self.limit), starvation }
         });
         client.reset()?;
         run(client)

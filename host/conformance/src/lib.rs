@@ -77,8 +77,11 @@ pub mod unchecked;
 mod words;
 mod writes;
 
+use std::time::Duration;
+
 use lashloop_protocol::message::Identity;
 
+pub use judge::TIME_LIMIT;
 pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
 pub use latency::LIMIT as ANSWER_LIMIT;
 pub use power_stage::PowerStage;
@@ -108,6 +111,11 @@ pub trait Reporter {
         None
     }
 
+    /// Time for all checks; a twelfth of it is for one attempt at a check. An emulated drive needs more.
+    fn time_limit(&self) -> Duration {
+        TIME_LIMIT
+    }
+
     /// Whether to end before the next check.
     fn is_interrupted(&self) -> bool {
         false
@@ -119,12 +127,19 @@ pub trait Reporter {
 ///
 /// # Errors
 /// The handshake times out, the drive has another protocol version, the link fails, or the drive sends no good frame in three
-/// consecutive checks. A single missing answer fails its check and is not an error.
+/// consecutive checks, or none during its description. A single missing answer fails its check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
-    let mut client = Client::open(link, session)?;
+    let mut client = match Client::open(link, session) {
+        Ok(client) => client,
+        Err(error) => {
+            let Some(result) = description::undescribed(&error) else { return Err(error) };
+            reporter.checked(&result);
+            return Ok(());
+        }
+    };
     client.bench_mode = reporter.bench_mode();
     reporter.connected(&client.identity);
-    let mut judge = Judge::new(&mut client);
+    let mut judge = Judge::new(&mut client, reporter.time_limit());
     for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;
@@ -160,7 +175,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("burst", burst::checks()),
         ("handshake", handshake::checks()),
         ("transitions", transitions::checks()),
-        ("description", description::checks()),
+        (description::GROUP, description::checks()),
         ("parameters", parameters::checks()),
         ("samples", samples::checks()),
         ("telemetry", telemetry::checks()),

@@ -38,6 +38,8 @@ const SOURCES: [&str; 2] = ["link", "pins"];
 pub(super) const PINS: ParameterValue = ParameterValue::U32(1);
 /// Least and largest details of the refusals by the hardware.
 const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 2]), (EncoderImplausible, [1, 5])];
+/// The encoders were not read since power-up.
+pub(super) const UNREAD: u32 = 1;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -168,6 +170,18 @@ fn names_cause(client: &Client, it: CommandResult, causes: &[&str]) -> RuleResul
     expect(is_cause, format!("the index of {} as its detail", causes.join(" or ")), it)
 }
 
+/// Bench mode with a duty for as many torques as possible.
+pub(super) fn widest_duties(client: &mut Client) -> RuleResult {
+    let [least, most] = [client.parameter("duty_min")?.min, client.parameter("duty_max")?.max];
+    let scale = client.parameter("torque_per_duty_nm")?.max;
+    client.put_all(&[
+        (SAMPLE_SOURCE, PINS),
+        ("torque_per_duty_nm", scale),
+        ("duty_min", least),
+        ("duty_max", most),
+    ])
+}
+
 /// The duty of the largest torque at a limit of the duty, within it, and beyond it by a fraction of the torque.
 fn duties(client: &mut Client) -> RuleResult {
     if !has(client, Capabilities::BENCH_MODE) {
@@ -178,16 +192,13 @@ fn duties(client: &mut Client) -> RuleResult {
     let offset = client.parameter("duty_offset")?.default;
     let ParameterValue::F32(center) = offset else { return Ok(()) };
     let width = limit_nm / scale_nm;
-    let [least, most] = [client.parameter("duty_min")?.min, client.parameter("duty_max")?.max];
-    let wide = [
-        (SAMPLE_SOURCE, PINS),
+    let scale = [
         (TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm)),
         ("torque_per_duty_nm", ParameterValue::F32(scale_nm)),
-        ("duty_min", least),
-        ("duty_max", most),
     ];
     client.idle()?;
-    client.put_all(&wide)?;
+    widest_duties(client)?;
+    client.put_all(&scale)?;
     if arm(client)?.outcome == Inconsistent {
         return skip("not run: the drive refuses its pins with its widest duties");
     }
@@ -199,7 +210,8 @@ fn duties(client: &mut Client) -> RuleResult {
             }
             client.reset()?;
             client.idle()?;
-            client.put_all(&wide)?;
+            widest_duties(client)?;
+            client.put_all(&scale)?;
             client.put(name, duty)?;
             let it = arm(client)?;
             let what =
@@ -229,6 +241,13 @@ pub(super) fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
         }
     };
     expect((least..=most).contains(&it.detail), format!("a detail of {least} to {most}"), it)?;
+    let is_unread = (it.outcome, it.detail) == (EncoderImplausible, UNREAD);
+    expect(
+        !is_unread || !client.has_read_encoders,
+        "an Arm that still has the readings of an earlier one",
+        it,
+    )?;
+    client.has_read_encoders |= !is_unread && matches!(it.outcome, Accepted | EncoderImplausible);
     let state = if it.outcome == Accepted { Armed } else { Idle };
     equal("state after Arm in bench mode", (state, state), (it.state, client.state))?;
     Ok(it)

@@ -8,7 +8,7 @@ use lashloop_session::line::Line;
 /// count.
 pub(super) struct TimeUp {
     pub(super) at: Instant,
-    pub(super) cause: &'static str,
+    pub(super) cause: String,
     pub(super) starvation: Starvation,
 }
 

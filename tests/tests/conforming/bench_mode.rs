@@ -3,52 +3,21 @@
 use std::fs;
 use std::path::Path;
 
-use lashloop_bench::device::{Connection, DeviceChoice};
-use lashloop_bench::scenario::Scenario;
-use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::timing::ClockName;
-use lashloop_conformance::{CheckResult, CheckStatus, PowerStage, Reporter, run};
+use lashloop_conformance::{CheckResult, CheckStatus};
 use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{
     BenchSample, CommandResult, EncoderSample, FaultReport, Reference, Telemetry,
 };
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, EncoderCounts, Message, Numbered};
-use tests::workspace;
+use tests::battery::BenchMode;
 
 use crate::altered::{Alteration, Altered};
 
-const GROUP: &str = "bench_mode";
-const BAUD: u32 = 921_600;
-
-/// The results of the checks of bench mode.
-#[derive(Default)]
-struct Results(Vec<CheckResult>);
-
-impl Reporter for Results {
-    fn checked(&mut self, result: &CheckResult) {
-        self.0.push(result.clone());
-    }
-
-    fn wants(&self, group: &str, _name: &str) -> bool {
-        group == GROUP
-    }
-
-    fn bench_mode(&self) -> Option<PowerStage> {
-        Some(PowerStage { torque_per_duty_nm: Some(62.5) })
-    }
-}
-
 fn results(alter: Alteration) -> Vec<CheckResult> {
-    let path = workspace().join("scenarios/bench-smooth-after.toml");
-    let scenario = Scenario::from_file(&path, &[]).expect("a scenario");
-    let in_process: DeviceChoice = "inproc".parse().expect("a device");
-    let with_plant = in_process.for_run(&scenario, ClockName::RealTime).expect("a plant");
-    let supervisor = Supervisor::without_signals(None).expect("a supervisor");
-    let (drive, _connection) = Connection::open(&with_plant, BAUD, &supervisor).expect("a drive");
-    let mut results = Results::default();
-    run(Box::new(Altered::over(drive, alter)), 7, &mut results).expect("a drive that answers");
-    results.0
+    let mut checks = BenchMode::default();
+    checks.run("inproc", |drive| Box::new(Altered::over(drive, alter)));
+    checks.results
 }
 
 fn frame(it: &Numbered<DriveMessage>, message: impl Into<DriveMessage>) -> Vec<u8> {

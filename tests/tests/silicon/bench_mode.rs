@@ -1,5 +1,9 @@
 //! Runs in bench mode: the drive counts the edges of its encoders and drives its bridge, with the plant behind the pins.
 
+use std::time::Duration;
+
+use lashloop_conformance::{CheckResult, CheckStatus};
+use tests::battery::BenchMode;
 use tests::paper::PATIENCE;
 use tests::program::{self, Ended};
 use tests::records::Records;
@@ -27,6 +31,16 @@ pub(crate) fn repeats() {
         summary["torque_sha256"].as_str().expect("a digest").to_owned()
     };
     assert_eq!(digest(), digest());
+}
+
+/// The chip is emulated slower than it runs, so that its own clock times the steps. All laws in process are enough.
+pub(crate) fn conforms() {
+    let omitted = &["every law gives the torques and telemetry of HIL mode"];
+    let mut checks = BenchMode { time_limit: Duration::from_secs(500), omitted, ..BenchMode::default() };
+    checks.run("silicon", |drive| drive);
+    let not_passed = checks.results.iter().filter(|it| it.status != CheckStatus::Passed);
+    assert_eq!(not_passed.collect::<Vec<_>>(), Vec::<&CheckResult>::new());
+    assert!(checks.results.len() >= 20, "{}", checks.results.len());
 }
 
 /// At 4 kHz the line has no capacity for a report of every step.

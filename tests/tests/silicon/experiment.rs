@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 use tests::program::{self, lashloop};
 use tests::records::Records;
@@ -10,6 +11,8 @@ use tests::terminal::{self, Terminal};
 
 use crate::equipment;
 
+/// Time for the drive to start.
+const PATIENCE: Duration = Duration::from_secs(60);
 const PROMPT: &str = "bring the load to 1.5708 rad, power the drive off and on, and press Enter: ";
 
 /// A drive at a terminal, with its encoders open.
@@ -24,7 +27,22 @@ impl Drive {
         let end = || terminal.far_end.try_clone().expect("a second end");
         let mut command = Command::new(equipment::program());
         command.arg(equipment::image()).stdin(Stdio::from(end())).stdout(Stdio::from(end()));
-        Self { silicon: command.spawn().expect("lashloop-silicon starts"), terminal }
+        let drive = Self { silicon: command.spawn().expect("lashloop-silicon starts"), terminal };
+        drive.await_answer();
+        drive
+    }
+
+    /// On a busy machine its program takes longer to load than a bench waits for a drive.
+    fn await_answer(&self) {
+        let device = terminal::device(&self.terminal);
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let ended = program::run(["identify", "--device", &device]);
+            if ended.code == Some(0) {
+                return;
+            }
+            assert!(Instant::now() < deadline, "{}", ended.stderr);
+        }
     }
 
     fn power_off(&mut self) {

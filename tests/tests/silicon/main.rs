@@ -26,7 +26,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 16] = [
+const TRIALS: [(&str, Check); 17] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -34,6 +34,7 @@ const TRIALS: [(&str, Check); 16] = [
     ("runs::a_file_that_is_no_image_is_named", runs::stranger),
     ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
     ("bench_mode::a_run_repeats_bit_for_bit", bench_mode::repeats),
+    ("bench_mode::the_image_passes_every_check_of_bench_mode", bench_mode::conforms),
     ("bench_mode::a_run_at_4_khz_takes_every_fourth_report", bench_mode::reports_every_fourth_step),
     ("bench_mode::the_second_board_runs_on_its_own_pins", bench_mode::second_board),
     ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),

@@ -1,6 +1,7 @@
 //! Errors of a connection to a drive.
 
 use std::io;
+use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 
@@ -9,6 +10,7 @@ use lashloop_link::tcp::ConnectError;
 use lashloop_protocol::enums::State;
 
 use lashloop_session::SessionError;
+use rustix::process::Signal;
 
 /// Why a drive can't be reached or was lost: which side failed, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -156,7 +158,20 @@ pub enum DeviceError {
     },
 }
 
+/// The part of the user's own program in messages.
+pub(super) const COMMAND: &str = "command";
+/// Signals that a program's own faults cause.
+const CRASHES: [Signal; 5] = [Signal::ILL, Signal::ABORT, Signal::BUS, Signal::FPE, Signal::SEGV];
+
 impl DeviceError {
+    /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside.
+    #[must_use]
+    pub fn has_crashed(&self) -> bool {
+        let Self::Ended { name: COMMAND, status, .. } = self else { return false };
+        let signal = status.signal().and_then(Signal::from_named_raw);
+        status.code().is_some() || signal.is_some_and(|signal| CRASHES.contains(&signal))
+    }
+
     /// Whether a lost drive may still come back. A process that ended does not, and another firmware stays another.
     #[must_use]
     pub fn is_transient(&self) -> bool {

@@ -10,7 +10,7 @@ use super::super::assertion::{Failure, RuleResult, expect, skip};
 use super::super::check::Check;
 use super::super::client::Client;
 use super::super::range::nearest_real;
-use super::run::{Run, allowed};
+use super::run::{Moment, Run, allowed};
 
 /// Steps under torque, so that the mechanics leave their start, and steps without it.
 const MOVING: usize = 150;
@@ -49,8 +49,8 @@ fn continued(client: &mut Client) -> RuleResult {
         let mut run = Run::start(client, &[])?;
         let timing = run.timing();
         let reports = run.reports(MOVING, 1.0)?;
-        let ended = run.client.line.now();
         run.client.request(Stop {})?;
+        let ended = Moment::latest(run.client);
         let mut run = if with_reset {
             client.reset()?;
             Run::start(client, &[])?
@@ -58,7 +58,7 @@ fn continued(client: &mut Client) -> RuleResult {
             Run::again(client, timing)?
         };
         let first = run.reports(1, 1.0)?[0];
-        let elapsed = run.client.line.now().saturating_duration_since(ended);
+        let elapsed = ended.until(Moment::latest(run.client));
         let reported = elapsed.div_duration_f64(period * timing.every.into());
         let counts = |it: &BenchSample| [it.motor_counts, it.load_counts];
         let (start, last) = (counts(&reports[0]), counts(&reports[reports.len() - 1]));

@@ -14,9 +14,9 @@ use super::super::client::Client;
 use super::super::pins::{self, PINS};
 use super::super::range::nearest_whole;
 use super::super::reactions::{accepted, first_sample, no_torque};
-use super::super::safety::{FEEDS, fault_report, in_time};
+use super::super::safety::{FEEDS, fault_report, in_time, nearly_in_time};
 use super::super::words::Words;
-use super::run::{Run, allowed, in_turn, is_report, report};
+use super::run::{Moment, Run, allowed, in_turn, is_report, report};
 
 use State::{Armed, Boot, Faulted, Idle, Running};
 
@@ -31,7 +31,7 @@ pub(super) fn checks() -> Vec<Check> {
             "a Reference, and nothing else, restarts the watchdog",
             watchdog,
         )),
-        in_time(allowed(
+        nearly_in_time(allowed(
             "R8.4 R8.6 R18.10",
             "no other frame restarts the watchdog, and its report has the last step",
             feeds,
@@ -67,8 +67,8 @@ fn feeds(client: &mut Client) -> RuleResult {
     for (_, what, feed) in FEEDS {
         client.reset()?;
         let mut run = Run::start(client, &[(WATCHDOG_US, ParameterValue::U32(watchdog_us))])?;
-        let ends_at = run.client.line.now() + PATIENCE;
         let (mut messages, mut last) = (run.refer(0.5)?, 0);
+        let begun = Moment::latest(run.client);
         for count in 0.. {
             last = messages.iter().filter_map(report).next_back().map_or(last, |it| it.sequence);
             if let Some(it) = messages.iter().find_map(fault_report) {
@@ -76,7 +76,8 @@ fn feeds(client: &mut Client) -> RuleResult {
                 judge_trip(Some(it), watchdog_us, step)?;
                 break;
             }
-            expect(run.client.line.now() < ends_at, format!("{what}: a FaultReport"), "none")?;
+            let silence = begun.until(Moment::latest(run.client));
+            expect(silence < PATIENCE, format!("{what}: a FaultReport"), "none")?;
             let bytes = feed(run.client, count);
             messages = run.client.request_bytes(bytes.strip_suffix(&*reference).unwrap_or(&bytes))?;
             messages.extend(run.turn()?);
@@ -85,10 +86,10 @@ fn feeds(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
-/// Until the watchdog's report, or for some time.
+/// Until the watchdog's report, or for some time by the drive's clock.
 fn fault_within(run: &mut Run<'_>, time: Duration, keep_alive: bool) -> Result<Option<FaultReport>, Failure> {
-    let ends_at = run.client.line.now() + time;
-    while run.client.line.now() < ends_at {
+    let begun = Moment::latest(run.client);
+    while begun.until(Moment::latest(run.client)) < time {
         let mut messages = if keep_alive { run.refer(0.5)? } else { run.client.request_bytes(&[])? };
         messages.extend(run.turn()?);
         let found = messages.iter().find_map(fault_report);
@@ -104,10 +105,9 @@ fn watchdog(client: &mut Client) -> RuleResult {
     let watchdog = Duration::from_micros(watchdog_us.into());
     let settings = [(WATCHDOG_US, ParameterValue::U32(watchdog_us))];
     // From the start on, before any reference.
-    let run = Run::start(client, &settings)?;
-    let trip = run.client.wait_for(PATIENCE, fault_report)?;
+    let trip = fault_within(&mut Run::start(client, &settings)?, PATIENCE, false)?;
     judge_trip(trip, watchdog_us, Some(0))?;
-    no_torque(run.client, 0, Faulted)?;
+    no_torque(client, 0, Faulted)?;
     client.reset()?;
     let mut run = Run::start(client, &settings)?;
     run.refer(0.5)?;

@@ -1,6 +1,6 @@
 //! A run in bench mode.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
@@ -10,19 +10,23 @@ use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_S
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
-use super::super::pins::{self, PINS, has};
+use super::super::pins::{self, PINS, UNREAD, has};
 use super::super::range::nearest_whole;
 use super::super::safety::fault_report;
 use super::super::words::Words;
 
 /// A parameter and its value.
-type Setting = (&'static str, ParameterValue);
+pub(super) type Setting = (&'static str, ParameterValue);
 
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 pub(super) const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
 /// A pause without a step, and one between two references, on a quick drive.
 const PAUSE: Duration = Duration::from_millis(25);
 const BETWEEN: Duration = Duration::from_millis(4);
+/// How often to listen on for the drive's clock: an emulated drive is that much slower at most.
+const MOST_LISTENS: u32 = 20;
+/// Exchanges that are timed by the drive's clock.
+const EXCHANGES: u32 = 8;
 /// References of a run at most, those before a fault, and starts that wait for the mechanics.
 const MOST_TURNS: u16 = 250;
 const FAULT_TURNS: u16 = 100;
@@ -65,9 +69,10 @@ pub(super) struct Timing {
 
 impl Timing {
     /// Of reports as often as the line has room for, and a reference for each, or more.
-    pub(super) fn fitted(client: &Client, settings: &[Setting]) -> Result<Self, Failure> {
+    pub(super) fn fitted(client: &mut Client, settings: &[Setting]) -> Result<Self, Failure> {
         let period = period(client, settings);
-        let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, steps_per_report(client, period))?;
+        let every = steps_per_report(client, period)?;
+        let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, every)?;
         Ok(Self { every: every as u16, turn: BETWEEN.max(period * every) })
     }
 
@@ -79,9 +84,43 @@ impl Timing {
 }
 
 /// Steps of this period for each report of one, so that the line has room for reports, references and answers.
-pub(super) fn steps_per_report(client: &Client, period: Duration) -> u32 {
+pub(super) fn steps_per_report(client: &mut Client, period: Duration) -> Result<u32, Failure> {
     // An exchange is a little longer than its frames.
-    (0.8 * client.exchange.div_duration_f64(period)).ceil().max(1.0) as u32
+    let steps = |exchange: Duration| (0.8 * exchange.div_duration_f64(period)).ceil().max(1.0) as u32;
+    let every = steps(client.exchange);
+    if every == 1 || !has(client, Capabilities::DEVICE_TIME) {
+        return Ok(every);
+    }
+    client.request_bytes(&[])?;
+    let before = Moment::latest(client);
+    for _ in 0..EXCHANGES {
+        client.request_bytes(&[])?;
+    }
+    Ok(every.min(steps(before.until(Moment::latest(client)) / EXCHANGES)))
+}
+
+/// The moment of the latest answer, by the drive's clock if it has one: an emulated drive and its line are slower than the bench.
+#[derive(Clone, Copy)]
+pub(super) struct Moment {
+    at: Instant,
+    device_us: Option<u32>,
+}
+
+impl Moment {
+    pub(super) fn latest(client: &mut Client) -> Self {
+        Self { at: client.line.now(), device_us: client.arrivals.device_us }
+    }
+
+    pub(super) const fn has_own_clock(self) -> bool {
+        self.device_us.is_some()
+    }
+
+    pub(super) fn until(self, later: Self) -> Duration {
+        match self.device_us.zip(later.device_us) {
+            Some((from_us, to_us)) => Duration::from_micros(to_us.wrapping_sub(from_us).into()),
+            None => later.at.saturating_duration_since(self.at),
+        }
+    }
 }
 
 /// The control period of a run with these settings.
@@ -133,7 +172,10 @@ impl<'client> Run<'client> {
                 _ => return skip(NO_RUN),
             }
             client.wait_for(PAUSE, |_| None::<()>)?;
-            client.reset()?;
+            // What has moved counts until the next reset.
+            if it.detail != UNREAD {
+                client.reset()?;
+            }
         }
         skip(NO_RUN)
     }
@@ -159,7 +201,7 @@ impl<'client> Run<'client> {
 
     /// What arrives until the next reference.
     pub(super) fn turn(&mut self) -> Result<Vec<DriveMessage>, Failure> {
-        self.listen(self.timing.turn)
+        self.wait(self.timing.turn)
     }
 
     /// Sends a reference and returns what came before the drive had taken it.
@@ -172,8 +214,22 @@ impl<'client> Run<'client> {
         Ok(messages)
     }
 
-    /// What arrives for some time.
+    /// What arrives for some time, by the drive's clock too.
     pub(super) fn listen(&mut self, time: Duration) -> Result<Vec<DriveMessage>, Failure> {
+        let mut messages = self.client.request_bytes(&[])?;
+        let before = Moment::latest(self.client);
+        for _ in 0..MOST_LISTENS {
+            messages.extend(self.wait(time)?);
+            messages.extend(self.client.request_bytes(&[])?);
+            if before.until(Moment::latest(self.client)) >= time.mul_f64(0.9) {
+                break;
+            }
+        }
+        Ok(messages)
+    }
+
+    /// What arrives for some time.
+    fn wait(&mut self, time: Duration) -> Result<Vec<DriveMessage>, Failure> {
         let mut messages = Vec::new();
         self.client.wait_for(time, |message| {
             messages.push(*message);

@@ -1,6 +1,6 @@
 //! The steps of a run: their numbers, references, period, reports and telemetry.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
@@ -13,7 +13,8 @@ use super::super::client::Client;
 use super::super::exchanges::result;
 use super::super::range::nearest_whole;
 use super::super::telemetry::subscription::signals;
-use super::run::{Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
+use super::super::words::Words;
+use super::run::{Moment, Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
 
 use State::{Idle, Running};
 
@@ -99,14 +100,6 @@ fn steps(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
-/// The latest step, and when the drive reported it.
-#[derive(Clone, Copy)]
-struct Place {
-    sequence: u16,
-    at: Instant,
-    device_us: Option<u32>,
-}
-
 /// The steps of a run with this period, against the drive's clock, or the bench's if the drive has none.
 fn pace(client: &mut Client, period_us: u32) -> RuleResult {
     let period_us = nearest_whole(client.parameter(PERIOD_US)?, period_us)?;
@@ -119,29 +112,27 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
         let messages = run.refer(0.5)?;
         latest = messages.iter().filter_map(report).next_back().or(latest);
         if let Some(BenchSample { sequence, .. }) = latest {
-            let place =
-                Place { sequence, at: run.client.line.now(), device_us: run.client.arrivals.device_us };
-            let first = *first.get_or_insert(place);
+            let place = (sequence, Moment::latest(run.client));
+            let (begun, _) = *first.get_or_insert(place);
             last = Some(place);
-            if u32::from(sequence.wrapping_sub(first.sequence)) >= count {
+            if u32::from(sequence.wrapping_sub(begun)) >= count {
                 break;
             }
         }
         latest = run.turn()?.iter().filter_map(report).next_back().or(latest);
     }
-    let (Some(first), Some(last)) = (first, last) else {
+    let (Some((first, from)), Some((last, to))) = (first, last) else {
         return expect(false, "reports after a Reference", "none");
     };
-    let own = first.device_us.zip(last.device_us).map(|(from, to)| f64::from(to.wrapping_sub(from)));
-    let passed_us = own.unwrap_or_else(|| 1e6 * last.at.saturating_duration_since(first.at).as_secs_f64());
-    if own.is_none() && run.client.slowest > LATEST {
+    if !from.has_own_clock() && run.client.slowest > LATEST {
         return Err(Failure::NotJudged { cause: "this machine is too busy to time the steps".to_owned() });
     }
-    let tolerance = if own.is_some() { OWN_CLOCK } else { OTHER_CLOCK };
-    let periods = passed_us / f64::from(period_us);
+    let tolerance = if from.has_own_clock() { OWN_CLOCK } else { OTHER_CLOCK };
+    let passed = from.until(to);
+    let periods = passed.div_duration_f64(Duration::from_micros(period_us.into()));
     let (least, most) = (periods * (1.0 - tolerance) - UNDERWAY, periods * (1.0 + tolerance) + UNDERWAY);
-    let steps = last.sequence.wrapping_sub(first.sequence);
-    let expected = format!("{least:.0} to {most:.0} steps of {period_us} us in {:.1} ms", 1e-3 * passed_us);
+    let steps = last.wrapping_sub(first);
+    let expected = format!("{least:.0} to {most:.0} steps of {period_us} us in {}", passed.words());
     expect((least..=most).contains(&f64::from(steps)), expected, steps)
 }
 
@@ -150,7 +141,8 @@ fn every(client: &mut Client) -> RuleResult {
     // The last one exceeds 8 bits.
     for (times, count) in [(2, 6), (3, 6), (10, 6), (300, 2)] {
         client.reset()?;
-        let timing = Timing::of_every(client, &[], times * steps_per_report(client, period))?;
+        let every = times * steps_per_report(client, period)?;
+        let timing = Timing::of_every(client, &[], every)?;
         in_turn(&Run::start_at(client, timing, &[])?.reports(count, 0.5)?, timing.every)?;
     }
     Ok(())

@@ -1,43 +1,60 @@
-//! The torques of bench mode are those of HIL mode.
+//! The torques and the telemetry of bench mode are those of HIL mode.
 
-use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
-use lashloop_protocol::message::{BenchSample, EncoderSample};
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::message::{BenchSample, EncoderSample, SetParameter, Subscribe, Telemetry};
 use lashloop_protocol::parameter_names::{CONTROLLER, TORQUE_LIMIT_NM};
 
 use super::super::answers::torque;
 use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
 use super::super::check::Check;
 use super::super::client::Client;
+use super::super::exchanges::result;
+use super::super::parameters::another;
 use super::super::range::nearest_real;
+use super::super::telemetry::subscription::law_signals;
 use super::super::words::{Bits, Words};
-use super::run::{Run, Timing, allowed, in_turn, is_report, report};
+use super::run::{Run, Setting, Timing, allowed, in_turn, is_report, report};
 
 /// Directions of encoders and power stage.
 const MIRRORED: [&str; 3] = ["motor_direction", "load_direction", "torque_direction"];
-/// Steps that are compared.
+/// Steps that are compared, and those of them before something happens.
 const STEPS: usize = 60;
+const BEFORE: usize = 20;
+/// Steps between two messages of telemetry, so that the line has room for them.
+const EVERY: u16 = 10;
+/// A reference that is far from all others, in rad.
+const FAR_RAD: f32 = -3.0;
+/// The step from which a live value that was set after the last report may be in force: one step may be on its way, and the
+/// report of another one.
+const LATEST_CHANGE: u16 = 3;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
         allowed(
-            "R18.1 R18.2",
-            "equal counts and references give the torques of HIL mode, limited and reversed too",
+            "R18.1 R18.2 R18.9",
+            "equal counts and references give the torques and telemetry of HIL mode, limited and reversed too",
             same_torques,
         ),
-        allowed("R18.1", "every law gives the torques of HIL mode", every_law),
+        allowed("R18.1", "every law gives the torques and telemetry of HIL mode", every_law),
+        allowed("R9.5 R18.1", "a live value counts from the next step, as in HIL mode", live_value),
     ]
 }
 
 fn same_torques(client: &mut Client) -> RuleResult {
-    let largest_nm = compare(client, &[])?;
+    let law = client.default_law();
+    let largest_nm = Conditions { law, settings: &[], live: None }.compare(client)?;
     if largest_nm != 0.0 {
         client.reset()?;
         let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, largest_nm / 2.0)?;
-        compare(client, &[(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))])?;
+        let settings = &[(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))];
+        Conditions { law, settings, live: None }.compare(client)?;
     }
     client.reset()?;
     // Both encoders and the power stage: the same machine, seen from the other end.
-    compare(client, &MIRRORED.map(|name| (name, ParameterValue::U32(1)))).map(drop)
+    let settings = &MIRRORED.map(|name| (name, ParameterValue::U32(1)));
+    Conditions { law, settings, live: None }.compare(client).map(drop)
 }
 
 fn every_law(client: &mut Client) -> RuleResult {
@@ -46,39 +63,168 @@ fn every_law(client: &mut Client) -> RuleResult {
     }
     for law in client.description.laws.clone() {
         client.reset()?;
-        compare(client, &[(CONTROLLER, ParameterValue::U32(law.index.into()))])?;
+        let settings = &[(CONTROLLER, ParameterValue::U32(law.index.into()))];
+        Conditions { law: law.index, settings, live: None }.compare(client)?;
     }
     Ok(())
 }
 
-/// The drive itself in HIL mode is the reference: its own counts and references as samples. Returns the largest torque in N m.
-fn compare(client: &mut Client, settings: &[(&'static str, ParameterValue)]) -> Result<f32, Failure> {
-    let timing = Timing::fitted(client, settings)?;
-    if timing.every != 1 {
-        return skip("not judged: this line is too slow for a report of every step");
+fn live_value(client: &mut Client) -> RuleResult {
+    let law = client.default_law();
+    let found = client.description.parameters.iter().find(|it| it.live && it.laws.contains(law));
+    let Some(it) = found else { return skip("the law in force has no live parameter") };
+    let live = SetParameter { index: it.index, value: another(it) };
+    Conditions { law, settings: &[], live: Some(live) }.compare(client).map(drop)
+}
+
+/// What a run in bench mode and its repetition in HIL mode have in common.
+struct Conditions<'a> {
+    law: u8,
+    settings: &'a [Setting],
+    /// A value that is set after some steps.
+    live: Option<SetParameter>,
+}
+
+/// The steps of a run.
+struct Steps {
+    samples: Vec<EncoderSample>,
+    torques: Vec<(Bits, TorqueFlags)>,
+    telemetry: Vec<Telemetry>,
+}
+
+impl Conditions<'_> {
+    /// The drive itself in HIL mode is the reference: its own counts and references as samples. Returns the largest torque in N m.
+    fn compare(&self, client: &mut Client) -> Result<f32, Failure> {
+        let (pins, changed) = self.run_on_pins(client)?;
+        let mut link = self.run_on_link(client, &pins.samples, changed)?;
+        for later in 1..if self.live.is_some() { LATEST_CHANGE } else { 0 } {
+            if link.torques == pins.torques {
+                break;
+            }
+            link = self.run_on_link(client, &pins.samples, changed.map(|it| it.wrapping_add(later)))?;
+        }
+        for ((sample, link), pins) in pins.samples.iter().zip(&link.torques).zip(&pins.torques) {
+            let what = format!("torque in N m and flags of step {}, as in HIL mode,", sample.sequence);
+            equal(&what, link, pins)?;
+        }
+        if self.live.is_none() && !pins.telemetry.is_empty() {
+            let again = self.run_on_link(client, &pins.samples, None)?;
+            self.compare_telemetry(client, &pins.telemetry, [&link.telemetry, &again.telemetry])?;
+        }
+        let sizes = pins.torques.iter().map(|(Bits(bits), _)| f32::from_bits(*bits).abs());
+        Ok(sizes.fold(0.0, f32::max))
     }
-    let mut run = Run::start_at(client, timing, settings)?;
-    let (messages, sent) = run.until(STEPS, is_report, |turn| 0.25 * f32::from(turn % 5))?;
-    let reports: Vec<_> = messages.iter().filter_map(report).collect();
-    in_turn(&reports, 1)?;
-    client.reset()?;
-    client.running(settings)?;
-    let mut largest_nm = 0.0_f32;
-    for it in reports {
-        let of_step = sent.iter().find(|(number, _)| *number == it.reference_number);
-        let Some((_, reference_rad)) = of_step else {
-            return Err(broken("the number of a Reference that was sent", it.reference_number.words()));
+
+    /// Counts, references, torques and telemetry of steps, and the step from which the live value may be in force.
+    fn run_on_pins(&self, client: &mut Client) -> Result<(Steps, Option<u16>), Failure> {
+        let timing = Timing::fitted(client, self.settings)?;
+        if timing.every != 1 {
+            return skip("not judged: this line is too slow for a report of every step");
+        }
+        self.subscribe(client)?;
+        let mut run = Run::start_at(client, timing, self.settings)?;
+        let reference_rad = |turn: u16| 0.25 * f32::from(turn % 5);
+        let (mut messages, mut sent) = run.until(BEFORE, is_report, reference_rad)?;
+        let zero = Default::default();
+        let refused =
+            EncoderSample { sequence: 0, motor_counts: zero, load_counts: zero, reference_rad: FAR_RAD };
+        messages.extend(run.client.request(refused)?);
+        messages.extend(run.turn()?);
+        if let Some(live) = self.live {
+            let is_answer = |it: &DriveMessage| matches!(it, DriveMessage::ParameterReport(_));
+            let answers = run.client.request_until(live, is_answer)?;
+            messages.extend(answers);
+        }
+        let changed = messages.iter().filter_map(report).next_back().map(|it| it.sequence.wrapping_add(1));
+        let (later, sent_later) = run.until(STEPS - BEFORE, is_report, reference_rad)?;
+        messages.extend(later);
+        sent.extend(sent_later);
+        let reports: Vec<_> = messages.iter().filter_map(report).collect();
+        in_turn(&reports, 1)?;
+        let sample = |it: &BenchSample| {
+            let of_step = sent.iter().find(|(number, _)| *number == it.reference_number);
+            let Some((_, reference_rad)) = of_step else {
+                return Err(broken("the number of a Reference that was sent", it.reference_number.words()));
+            };
+            let BenchSample { sequence, motor_counts, load_counts, .. } = *it;
+            Ok(EncoderSample { sequence, motor_counts, load_counts, reference_rad: *reference_rad })
         };
-        let BenchSample { sequence, motor_counts, load_counts, .. } = it;
-        let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad: *reference_rad };
-        let answer = torque(&client.request_one(sample)?)?;
-        let of = |torque_nm: f32, flags: TorqueFlags| (Bits(torque_nm.to_bits()), flags);
-        equal(
-            &format!("torque in N m and flags of step {sequence}, as in HIL mode,"),
-            of(answer.torque_nm, answer.status.flags),
-            of(it.torque_nm, it.status.flags),
-        )?;
-        largest_nm = largest_nm.max(it.torque_nm.abs());
+        let samples = reports.iter().map(sample).collect::<Result<_, _>>()?;
+        let torques = reports.iter().map(|it| (Bits(it.torque_nm.to_bits()), it.status.flags)).collect();
+        let telemetry = messages.iter().filter_map(telemetry).collect();
+        Ok((Steps { samples, torques, telemetry }, changed))
     }
-    Ok(largest_nm)
+
+    /// These samples in HIL mode, with the live value from one of them on.
+    fn run_on_link(
+        &self,
+        client: &mut Client,
+        samples: &[EncoderSample],
+        changed: Option<u16>,
+    ) -> Result<Steps, Failure> {
+        client.reset()?;
+        self.subscribe(client)?;
+        client.running(self.settings)?;
+        let mut steps = Steps { samples: samples.to_vec(), torques: Vec::new(), telemetry: Vec::new() };
+        for sample in samples {
+            if let (Some(live), Some(sequence)) = (self.live, changed)
+                && sample.sequence == sequence
+            {
+                client.set(live.index, live.value)?;
+            }
+            let answers = client.request(*sample)?;
+            let answer = torque(&answers)?;
+            steps.torques.push((Bits(answer.torque_nm.to_bits()), answer.status.flags));
+            steps.telemetry.extend(answers.iter().filter_map(telemetry));
+        }
+        Ok(steps)
+    }
+
+    /// To signals of the law, in `Idle`.
+    fn subscribe(&self, client: &mut Client) -> RuleResult {
+        client.idle()?;
+        let signals = self.signals(client).into_iter().fold(0, |all, index| all | 1 << index);
+        if signals == 0 {
+            return Ok(());
+        }
+        let subscribed = result(Subscribe { signals, every: EVERY }, Outcome::Accepted, client.state);
+        client.exchange("in Idle", &[subscribed])
+    }
+
+    fn signals(&self, client: &Client) -> Vec<u8> {
+        law_signals(client, self.law).into_iter().take(MAX_TELEMETRY_VALUES).collect()
+    }
+
+    /// Compares the signals that depend on the samples alone: each run on the link has the same values, and not one value.
+    fn compare_telemetry(
+        &self,
+        client: &Client,
+        pins: &[Telemetry],
+        [link, again]: [&[Telemetry]; 2],
+    ) -> RuleResult {
+        let bits = |of: &[Telemetry], place: usize| -> Vec<Option<u32>> {
+            of.iter()
+                .take(pins.len())
+                .map(|it| it.values.as_slice().get(place).map(|it| it.to_bits()))
+                .collect()
+        };
+        for (place, index) in self.signals(client).into_iter().enumerate() {
+            let (link, again) = (bits(link, place), bits(again, place));
+            if link != again || link.windows(2).all(|pair| pair[0] == pair[1]) {
+                continue;
+            }
+            for ((telemetry, link), pins) in pins.iter().zip(link).zip(bits(pins, place)) {
+                let what = format!("signal {index} after step {}, as in HIL mode,", telemetry.sequence);
+                equal(&what, link.map(Bits), pins.map(Bits))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+const fn telemetry(message: &DriveMessage) -> Option<Telemetry> {
+    match message {
+        DriveMessage::Telemetry(it) => Some(*it),
+        _ => None,
+    }
 }

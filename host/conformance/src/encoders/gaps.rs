@@ -1,10 +1,10 @@
 //! Gaps between samples, up to the longest with an unambiguous position.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
-use lashloop_protocol::parameter_names::PERIOD_US;
+use lashloop_protocol::parameter_names::{PERIOD_US, SAMPLE_SOURCE};
 use lashloop_protocol::wire::Payload;
 
 use super::encoder::Encoder;
@@ -14,6 +14,7 @@ use crate::answers::{command_result, sample};
 use crate::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use crate::check::{Check, check};
 use crate::client::Client;
+use crate::pins::{has, widest_duties};
 use crate::reactions::{accepted, first_sample, refused_sample};
 
 /// Resolutions near that of a common servo encoder, so that the speed limits of these checks are those of real machines.
@@ -66,9 +67,20 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     low.allowed(client)?;
     client.idle()?;
     client.put_all(&high.settings())?;
-    let answers = client.request(Arm { session: client.session })?;
     let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit);
-    equal(&what, vec!["CommandResult"], names(&answers))?;
+    refused_as_ambiguous(client, encoder, &what)?;
+    if has(client, Capabilities::BENCH_MODE) {
+        widest_duties(client)?;
+        refused_as_ambiguous(client, encoder, &format!("in bench mode, {what}"))?;
+        client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+    }
+    client.put_all(&low.settings())?;
+    client.arm()
+}
+
+fn refused_as_ambiguous(client: &mut Client, encoder: Encoder, what: &str) -> RuleResult {
+    let answers = client.request(Arm { session: client.session })?;
+    equal(what, vec!["CommandResult"], names(&answers))?;
     let it = command_result(&Arm::LAYOUT, &answers)?;
     let got = (it.outcome, it.state, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle, State::Idle), got)?;
@@ -76,9 +88,7 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     let causes = [encoder.speed_limit, encoder.counts_per_rev, PERIOD_US].map(|name| client.parameter(name));
     let is_cause = causes.iter().flatten().any(|cause| u32::from(cause.index) == it.detail);
     let names = [encoder.speed_limit, encoder.counts_per_rev, PERIOD_US].join(", ");
-    expect(is_cause, format!("{what} the index of one of {names} as detail"), it.detail)?;
-    client.put_all(&low.settings())?;
-    client.arm()
+    expect(is_cause, format!("{what} the index of one of {names} as detail"), it.detail)
 }
 
 /// The finest resolution of the drive, in counts per revolution.

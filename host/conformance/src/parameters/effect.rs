@@ -125,7 +125,7 @@ fn live(client: &Client) -> Result<Vec<(Parameter, ParameterValue)>, Failure> {
 
 /// A quarter more than the default, so that no torque is far from those of the default; else the middle of the range, or the
 /// value next to the default.
-fn another(it: &Parameter) -> ParameterValue {
+pub(in super::super) fn another(it: &Parameter) -> ParameterValue {
     let more = match it.default {
         ParameterValue::F32(default) => ParameterValue::F32(1.25 * default),
         other => other,

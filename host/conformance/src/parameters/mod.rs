@@ -19,6 +19,7 @@ use super::client::Client;
 use super::exchanges::{reads, sets};
 use super::range::{holds, in_type_of};
 use super::words::Words;
+pub(super) use effect::another;
 use values::each;
 
 pub(super) fn checks() -> Vec<Check> {

@@ -8,8 +8,8 @@ mod watchdog;
 
 use super::check::Check;
 
-pub(super) use timing::fault_report;
-pub(super) use watchdog::{FEEDS, in_time};
+pub(super) use timing::{fault_report, in_time, nearly_in_time};
+pub(super) use watchdog::FEEDS;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = limits::checks();

@@ -7,7 +7,9 @@ use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::FaultReport;
 
 use super::super::assertion::{Failure, RuleResult};
+use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::judge::ATTEMPTS;
 use super::super::reactions::first_sample;
 
 pub(super) const NAME: &str = "watchdog_us";
@@ -15,6 +17,10 @@ pub(super) const NAME: &str = "watchdog_us";
 pub(super) const CLOCK_TOLERANCE: f64 = 0.1;
 /// Samples in quick succession before those whose time counts.
 pub(super) const QUICK: u16 = 10;
+/// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
+const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
+/// As above, for what must happen within a second. A part of every watchdog that is set there.
+const SLOWEST_OF_ALL: Duration = Duration::from_millis(30);
 /// Last attempt with samples at a time, from 0.
 pub(super) const LONGEST_ATTEMPT: u32 = 4;
 
@@ -40,4 +46,34 @@ pub(crate) fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
 
 pub(super) fn too_busy() -> Failure {
     Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() }
+}
+
+/// Tries a check again that fails while an answer comes late or the bench itself is late: the drive cannot tell when the bench
+/// has sent a sample, and the bench not when the drive has processed it.
+pub(crate) fn in_time(check: Check) -> Check {
+    judged_up_to(SLOWEST_ANSWER, check)
+}
+
+/// As [`in_time`], for a check of what must happen at all.
+pub(crate) fn nearly_in_time(check: Check) -> Check {
+    judged_up_to(SLOWEST_OF_ALL, check)
+}
+
+fn judged_up_to(slowest: Duration, Check { rules, name, run }: Check) -> Check {
+    check(rules, name, move |client| {
+        for _ in 0..ATTEMPTS {
+            client.slowest = Duration::ZERO;
+            let ended = run(client);
+            let is_broken = matches!(ended, Err(Failure::Rule { .. } | Failure::Preparation { .. }));
+            if !is_broken || client.slowest <= slowest {
+                return ended;
+            }
+            client.is_unsettled = true;
+            client.reset()?;
+        }
+        let longest_ms = client.slowest.as_millis();
+        let cause =
+            format!("an answer or the bench is up to {longest_ms} ms late, too long to time a watchdog");
+        Err(Failure::NotJudged { cause })
+    })
 }

@@ -26,7 +26,8 @@ use super::super::words::Words;
 use super::faults::stays_latched;
 use super::late;
 use super::timing::{
-    CLOCK_TOLERANCE, LONGEST_ATTEMPT, NAME, QUICK, fault_report, micros, start_with, too_busy,
+    CLOCK_TOLERANCE, LONGEST_ATTEMPT, NAME, QUICK, fault_report, in_time, micros, nearly_in_time, start_with,
+    too_busy,
 };
 
 /// Watchdog of most of these checks: short for a quick check, long enough for the first sample of a busy bench.
@@ -45,11 +46,9 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const FEWEST: u16 = 200;
 /// Time between two frames that must not feed the watchdog.
 const INTERVAL: Duration = Duration::from_millis(1);
-/// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
-const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
 
 pub(super) fn checks() -> Vec<Check> {
-    let mut checks = vec![
+    let checks = vec![
         check(
             "R5.2 R8.5 R8.7 R8.8 R8.10",
             "without samples the watchdog trips, and not early",
@@ -95,29 +94,9 @@ pub(super) fn checks() -> Vec<Check> {
         check("R7.2 R8.6", "stray samples before the first one do not feed the watchdog", strays_first),
         check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late::late_samples),
     ];
-    checks.extend(feeds());
-    checks.into_iter().map(in_time).collect()
-}
-
-/// Tries a check again that fails while an answer comes late or the bench itself is late: the drive cannot tell when the bench
-/// has sent a sample, and the bench not when the drive has processed it.
-pub(crate) fn in_time(Check { rules, name, run }: Check) -> Check {
-    check(rules, name, move |client| {
-        for _ in 0..ATTEMPTS {
-            client.slowest = Duration::ZERO;
-            let ended = run(client);
-            let is_broken = matches!(ended, Err(Failure::Rule { .. } | Failure::Preparation { .. }));
-            if !is_broken || client.slowest <= SLOWEST_ANSWER {
-                return ended;
-            }
-            client.is_unsettled = true;
-            client.reset()?;
-        }
-        let longest_ms = client.slowest.as_millis();
-        let cause =
-            format!("an answer or the bench is up to {longest_ms} ms late, too long to time a watchdog");
-        Err(Failure::NotJudged { cause })
-    })
+    let mut checks: Vec<_> = checks.into_iter().map(in_time).collect();
+    checks.extend(feeds().map(nearly_in_time));
+    checks
 }
 
 /// Requires that time passes in `state` without a fault.
@@ -293,11 +272,13 @@ pub(crate) const FEEDS: [(&str, &str, Feed); 5] = [
     }),
     ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
         let mut bytes = frame(sample(3));
-        match count % 4 {
+        match count % 5 {
             0 => bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 },
             1 => return DriveMessage::from(counted(0, 0, 0)).frame().to_vec(),
             // Not COBS; and too long, after a delimiter.
             2 => return vec![9, 9, DELIMITER],
+            // A sample and a reference without their ends.
+            3 => return [framed(&[0x10, 3, 0]), framed(&[0x11, 9, 0])].concat(),
             _ => bytes = [&[DELIMITER][..], &[5; 70]].concat(),
         }
         bytes.push(DELIMITER);

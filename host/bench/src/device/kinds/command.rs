@@ -8,7 +8,7 @@ use lashloop_link::child_line::ChildLine;
 use lashloop_link::terminal::Terminal;
 
 use crate::device::drive_host::DriveHost;
-use crate::device::error::DeviceError;
+use crate::device::error::{COMMAND, DeviceError};
 use crate::device::evidence::DriveFiles;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
 use crate::supervisor::{Program, Supervisor, find_program};
@@ -16,8 +16,6 @@ use crate::supervisor::{Program, Supervisor, find_program};
 const PREFIX: &str = "exec:";
 /// Stands for the path of a pseudo-terminal.
 const TTY: &str = "{tty}";
-/// The part of the program in messages.
-const NAME: &str = "command";
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax {
     form: "exec:CMD ARGS",
@@ -57,7 +55,7 @@ impl CommandDrive {
     }
 
     fn run(&self, program: PathBuf, supervisor: &Supervisor) -> io::Result<Opened> {
-        let with = |arguments| Program { name: NAME, program: program.into(), arguments, core: None };
+        let with = |arguments| Program { name: COMMAND, program: program.into(), arguments, core: None };
         let arguments = self.arguments.iter();
         let (link, process) = if self.wants_terminal() {
             let terminal = Terminal::open()?;
@@ -81,7 +79,7 @@ impl DeviceKind for CommandDrive {
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let program = find_program(&self.program)
             .map_err(|problem| DeviceError::NoProgram { device: self.name(), problem })?;
-        self.run(program, supervisor).map_err(|source| DeviceError::Spawn { name: NAME, source })
+        self.run(program, supervisor).map_err(|source| DeviceError::Spawn { name: COMMAND, source })
     }
 
     /// The program, and each argument that is a file: the script of an interpreter is the drive.
