@@ -178,6 +178,7 @@ fn flash_exit(error: &FlashError) -> Exit {
         | FlashError::NoImage(_)
         | FlashError::NoBoard(_)
         | FlashError::Board { .. }
+        | FlashError::Unnamed(_)
         | FlashError::Simulator(_)
         | FlashError::Ports(_) => Exit::UsageOrScenario,
         FlashError::NoWay(_)

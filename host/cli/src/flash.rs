@@ -44,6 +44,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DEVICE", conflicts_with = "rig")]
     device: Option<DeviceChoice>,
 
+    /// Board of the chip; needed without --rig if no drive answers that names it
+    #[arg(long, value_name = "NAME", conflicts_with = "rig")]
+    board: Option<String>,
+
     #[command(flatten)]
     rig: RigOption,
 
@@ -70,11 +74,14 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "flash")?;
         let rig = rig.as_ref().map(|taken| &taken.rig);
-        let found = || find_image_for_board(rig.map(|rig| &*rig.board)).map_err(FlashError::NoImage);
+        let stated = rig.map(|rig| (rig.file.display().to_string(), rig.board.clone()));
+        let stated = stated.or_else(|| self.board.map(|board| ("--board".to_owned(), board)));
+        let board = stated.as_ref().map(|(_, board)| &**board);
+        let found = || find_image_for_board(board).map_err(FlashError::NoImage);
         let image = Image::read(&self.elf.map_or_else(found, Ok)?).map_err(FlashError::Image)?;
         let expected = Expected::of(&image)?;
-        if let Some(rig) = rig.filter(|rig| rig.board != expected.board) {
-            return Err(other_board(&image, &expected, rig.file.display(), &rig.board, false).into());
+        if let Some((of, board)) = stated.as_ref().filter(|(_, board)| *board != expected.board) {
+            return Err(other_board(&image, &expected, of, board, false).into());
         }
         let device = self.device.or_else(|| Some(rig?.port.without_limits().clone()));
         if let Some(simulator) = device.as_ref().filter(|device| !device.may_be_hardware()) {
@@ -106,8 +113,7 @@ impl Arguments {
         }
         let supervisor = start_supervisor()?;
         let signals = supervisor.guard_signals();
-        let interrupted = || supervisor.interrupted();
-        let runner = Runner { interrupted: &interrupted };
+        let runner = Runner { supervisor: &supervisor };
         print_image(&image, &expected);
         let via = self.via.or(via);
         let only_port = match &known[..] {
@@ -115,9 +121,10 @@ impl Arguments {
             _ => None,
         };
         let drive = device.clone().or(only_port);
-        let has_rig = rig.is_some();
+        let is_stated = stated.is_some();
         let known_drive =
-            Known { image: &image, expected: &expected, has_rig, drive, baud, supervisor: &supervisor };
+            Known { image: &image, expected: &expected, is_stated, drive, baud, supervisor: &supervisor };
+        let mut is_named = is_stated;
         let way = match writer::find(via, &target, &runner) {
             Ok(way) => {
                 known_drive.check_chip(way, &target)?;
@@ -130,6 +137,7 @@ impl Arguments {
                     return Err(none.into());
                 };
                 known_drive.check(&drive)?;
+                is_named = true;
                 if !enter_loader(drive) {
                     return Err(none.into());
                 }
@@ -141,8 +149,12 @@ impl Arguments {
         if way == Way::Probe {
             before = known_drive.disarm()?;
             // A probe that was found may be on another board, whose motor turns: the reset stops that one.
-            let is_named = self.via == Some(Way::Probe) || target.probe.is_some();
-            target.under_reset = !(before.is_some() && is_named);
+            let is_chosen = self.via == Some(Way::Probe) || target.probe.is_some();
+            target.under_reset = !(before.is_some() && is_chosen);
+            is_named |= before.is_some();
+        }
+        if !is_named {
+            return Err(FlashError::Unnamed(expected.board).into());
         }
         let began = Instant::now();
         writer::write(way, &image, &target, &runner)?;
@@ -174,8 +186,8 @@ fn other_board(
 struct Known<'a> {
     image: &'a Image,
     expected: &'a Expected,
-    /// The board of a rig file counts, and a drive with another one has the wrong image.
-    has_rig: bool,
+    /// The board of a rig file or an option counts, and a drive with another one has the wrong image.
+    is_stated: bool,
     /// Where the drive would be.
     drive: Option<DeviceChoice>,
     baud: u32,
@@ -191,7 +203,7 @@ impl Known<'_> {
     /// Rejects a drive on another board than that of the image.
     fn check(&self, drive: &Device) -> Result<(), FlashError> {
         let board = drive.session.identity.board;
-        if self.has_rig || board.as_str() == self.expected.board {
+        if self.is_stated || board.as_str() == self.expected.board {
             return Ok(());
         }
         let of = format!("the drive on {}", drive.connection.choice);
@@ -250,7 +262,7 @@ fn find_loader(via: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result
     let deadline = Instant::now() + LIMIT;
     loop {
         match writer::find(via, target, runner) {
-            Err(_) if Instant::now() < deadline && !(runner.interrupted)() => {
+            Err(_) if Instant::now() < deadline && !runner.supervisor.interrupted() => {
                 thread::sleep(Duration::from_millis(100));
             }
             Err(FlashError::NoWay(reasons)) => return Err(FlashError::Unreached(reasons)),

@@ -1,5 +1,8 @@
 //! The codec takes a small part of a control period on the drive's processor.
 
+use lashloop_hardware::flash::Image;
+use lashloop_hardware::flash::image::ImageProblem;
+
 use crate::codec_cost::count;
 
 /// Largest number of instructions to encode or decode a message. A control period of 1 ms has 168,000 cycles.
@@ -29,4 +32,6 @@ pub(crate) fn every_message() {
         );
     }
     assert_eq!(count(&image), costs, "the same in every run");
+    let problem = Image::read(&image).expect_err("it is no drive").problem;
+    assert!(matches!(problem, ImageProblem::NoDrive), "{problem}");
 }

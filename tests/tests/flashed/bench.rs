@@ -42,6 +42,12 @@ impl Workbench {
         self.path("image.elf")
     }
 
+    /// The option that names the board of the image.
+    pub(crate) fn board(&self) -> [&'static str; 2] {
+        let board = self.elf.symbols.iter().find_map(|(name, _)| name.strip_prefix("_lashloop_board_"));
+        ["--board", board.unwrap_or("unknown")]
+    }
+
     /// The bytes that belong into the flash.
     pub(crate) fn flash(&self) -> &[u8] {
         &self.elf.segments[0].1

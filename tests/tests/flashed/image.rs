@@ -44,6 +44,12 @@ pub(crate) fn elsewhere() {
     assert!(matches!(problem, ImageProblem::Begin { address: 0x0800_4000 }), "{problem}");
 }
 
+pub(crate) fn no_drive() {
+    let mut elf = Elf::image(100, 1, false);
+    elf.symbols.push(("_lashloop_no_drive", 1));
+    assert!(matches!(read(elf), Err(ImageProblem::NoDrive)));
+}
+
 pub(crate) fn no_vectors() {
     // Stack in the flash; reset vector beyond the image; reset vector of the Arm state; no vectors at all.
     for (at, word) in [(0, 0x0800_0000), (4, 0x0800_0101), (4, 0x0800_0008), (0, 0xffff_ffff_u32)] {

@@ -36,11 +36,12 @@ fn main() -> ExitCode {
         ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 21] = [
+    let alone: [(&str, Check); 24] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
         ("image::an_image_without_vectors_is_rejected", image::no_vectors),
+        ("image::a_program_for_measurements_is_rejected", image::no_drive),
         ("image::files_that_are_no_image_are_rejected", image::no_elf),
         ("stand_ins::a_probe_writes_compares_and_resets", stand_ins::probe),
         ("stand_ins::a_drive_in_a_run_is_not_halted", stand_ins::run_in_progress),
@@ -55,6 +56,8 @@ fn main() -> ExitCode {
             stand_ins::another_chip,
         ),
         ("stand_ins::a_chip_without_a_port_afterwards_is_not_confirmed", stand_ins::no_port),
+        ("stand_ins::a_chip_without_a_drive_needs_the_name_of_its_board", stand_ins::blank_chip),
+        ("stand_ins::the_loader_program_ends_with_a_killed_bench", stand_ins::killed),
         ("stand_ins::dfu_with_a_different_copy_is_not_flashed", stand_ins::dfu_different),
         ("stand_ins::a_download_that_fails_is_not_flashed", stand_ins::download_failed),
         ("stand_ins::a_chip_that_is_not_reset_is_not_flashed", stand_ins::reset_failed),

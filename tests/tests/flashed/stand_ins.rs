@@ -38,7 +38,8 @@ fn with_dfu(script: &str, drive: &Twin) -> Workbench {
 
 /// Flashes a chip whose drive has a port while its firmware runs.
 fn flash_in_loader(bench: &Workbench) -> Ended {
-    bench.flash_with(&["--device", &bench.path("port").display().to_string()])
+    let port = bench.path("port").display().to_string();
+    bench.flash_with(&[&["--device", &port], &bench.board()[..]].concat())
 }
 
 /// The drive reported the build of the image before a probe wrote it: a build with changes confirms nothing then.
@@ -110,7 +111,7 @@ pub(crate) fn under_reset() {
     let terminal = tests::terminal::open();
     let silent = tests::terminal::device(&terminal);
     for device in [&["--device", &silent][..], &["--device", "tcp:127.0.0.1:1"]] {
-        let ended = bench.flash_with(&[&["--via", "probe"], device].concat()).with_code(4);
+        let ended = bench.flash_with(&[&["--via", "probe"], device, &bench.board()].concat()).with_code(4);
         assert!(ended.stdout.contains("the probe connects under reset"), "{}", ended.stdout);
     }
     let want = "probe-rs list\nprobe-rs download --chip STM32F405RGTx --connect-under-reset --verify BENCH/image.elf\n";
@@ -184,9 +185,39 @@ pub(crate) fn another_chip() {
 /// No serial port on USB is on a machine that builds this.
 pub(crate) fn no_port() {
     let bench = with_dfu(DFU_UTIL, &Twin::start());
-    let ended = bench.flash_with(&["--via", "dfu"]).with_code(4);
+    let ended = bench.flash_with(&[&["--via", "dfu"], &bench.board()[..]].concat()).with_code(4);
     assert!(ended.stderr.contains("written and compared, but not confirmed"), "{}", ended.stderr);
     assert!(ended.stdout.contains("\nwritten    ") && !claims_success(&ended), "{}", ended.stdout);
+}
+
+/// A chip without a drive takes the image of a board that the user names.
+pub(crate) fn blank_chip() {
+    let bench = with_dfu(DFU_UTIL, &Twin::start());
+    let ended = bench.flash_with(&["--via", "dfu"]).with_code(2);
+    assert!(ended.stderr.contains("call again with --board native-twin"), "{}", ended.stderr);
+    let ended = bench.flash_with(&["--via", "dfu", "--board", "odrive-v3"]).with_code(2);
+    assert!(
+        ended.stderr.contains("is for the board native-twin, and that of --board is odrive-v3"),
+        "{}",
+        ended.stderr
+    );
+    assert!(!bench.path("flash").exists() && !claims_success(&ended), "{}", bench.calls());
+}
+
+/// A killed bench leaves no program behind that writes.
+pub(crate) fn killed() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    let script =
+        PROBE_RS.replace("esac", "download) echo $$ > \"$BENCH/writing\"; exec /bin/sleep 600;;\nesac");
+    bench.program("probe-rs", &script);
+    let flash = bench.start(&["--device", &twin.device()]);
+    let loader = tests::wait::until("the program writes", || {
+        std::fs::read_to_string(bench.path("writing")).ok()?.trim().parse::<u32>().ok()
+    });
+    flash.signal(rustix::process::Signal::KILL);
+    tests::wait::until("the program ends with the bench", || {
+        (!std::path::Path::new(&format!("/proc/{loader}")).exists()).then_some(())
+    });
 }
 
 pub(crate) fn dfu_different() {

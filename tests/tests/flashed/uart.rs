@@ -36,7 +36,7 @@ fn right() -> Workbench {
 }
 
 fn flash(bench: &Workbench, loader: &RomLoader) -> Ended {
-    bench.flash_with(&["--via", "uart", "--device", &loader.device])
+    bench.flash_with(&[&["--via", "uart", "--device", &loader.device], &bench.board()[..]].concat())
 }
 
 pub(crate) fn flashed() {
@@ -52,7 +52,7 @@ pub(crate) fn flashed() {
 
 pub(crate) fn found() {
     let (bench, loader) = (right(), RomLoader::start(Defect::None));
-    let ended = bench.flash_with(&["--device", &loader.device]).with_code(0);
+    let ended = bench.flash_with(&[&["--device", &loader.device], &bench.board()[..]].concat()).with_code(0);
     assert!(ended.stdout.contains("\nway        uart: "), "{}", ended.stdout);
 }
 
@@ -170,9 +170,14 @@ pub(crate) fn stuck_bit() {
 
 pub(crate) fn interrupted() {
     let (bench, loader) = (right(), RomLoader::start(Defect::Hangs));
-    let running = bench.start(&["--via", "uart", "--device", &loader.device]);
+    let running = bench.start(&[&["--via", "uart", "--device", &loader.device], &bench.board()[..]].concat());
     wait::until("the first write", || loader.hangs().then_some(()));
-    let [stm32flash] = processes::children(running.id())[..] else { panic!("one child was expected") };
+    let only_child = |of: u32| {
+        let [child] = processes::children(of)[..] else { panic!("one child was expected") };
+        child
+    };
+    // Under its guard.
+    let stm32flash = only_child(only_child(running.id()));
     assert_eq!(processes::name(stm32flash), PROGRAM);
     running.signal(Signal::INT);
     let ended = running.wait().with_code(3);

@@ -169,6 +169,13 @@ impl Supervisor {
         self.order(command, program.name, Author::User)
     }
 
+    /// The command of a program of the user, for a caller that starts it and waits for it itself. The program and its
+    /// descendants end with the bench.
+    #[must_use]
+    pub fn command_of_user(&self, program: &Program) -> Command {
+        self.command(program, Author::User)
+    }
+
     fn command(&self, program: &Program, author: Author) -> Command {
         let mut command = self.tied(program, author);
         if author == Author::Bench {

@@ -52,6 +52,14 @@ pub enum FlashError {
         board: String,
         is_drive: bool,
     },
+    /// Neither the user nor a drive has named the board. Nothing was written.
+    #[error(
+        "nothing is written: no drive answers that names its board, and the image is for the board {}: the pins of another one \
+         differ; if it is that board, call again with --board {}, or describe it by a rig file",
+        printable(.0),
+        printable(.0)
+    )]
+    Unnamed(String),
     /// The device isn't a board. Nothing was written.
     #[error(
         "nothing is written: {0} is a simulator, which no loader reaches; name a terminal, tcp:HOST:PORT or rfc2217:HOST:PORT"

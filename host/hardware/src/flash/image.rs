@@ -21,6 +21,8 @@ const ERASED: u8 = 0xff;
 /// Symbols of the linker script, see `firmware/build.rs`.
 const BUILD_ID: &str = "_lashloop_build_id";
 const BUILD_IS_DIRTY: &str = "_lashloop_build_is_dirty";
+/// Symbol of a program for measurements.
+const NO_DRIVE: &str = "_lashloop_no_drive";
 /// Start of the symbol that ends with the board's name.
 const BOARD: &str = "_lashloop_board_";
 
@@ -52,6 +54,8 @@ pub enum ImageProblem {
         FLASH.start
     )]
     Begin { address: u32 },
+    #[error("is a program for measurements and no drive; name the file that `cargo xtask image` builds")]
+    NoDrive,
     #[error(
         "has no vector table: the first words are {stack:#010x} and {reset:#010x}, a stack in RAM and a reset vector in the \
          image were expected"
@@ -88,6 +92,9 @@ impl Image {
         let file = ElfFile32::<LittleEndian>::parse(elf).map_err(no_elf)?;
         if file.architecture() != Architecture::Arm {
             return Err(ImageProblem::NotAnElf(format!("its processor is {:?}", file.architecture())));
+        }
+        if file.symbols().any(|symbol| symbol.name() == Ok(NO_DRIVE)) {
+            return Err(ImageProblem::NoDrive);
         }
         let mut segments = Vec::new();
         for header in file.elf_program_headers() {

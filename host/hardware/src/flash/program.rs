@@ -3,12 +3,11 @@
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use lashloop_bench::supervisor::find_program;
+use lashloop_bench::supervisor::{Program, Supervisor, find_program};
 use lashloop_session::printable;
 use rustix::process::{Pid, Signal, kill_process_group};
 
@@ -44,8 +43,8 @@ fn quoted(output: &str) -> String {
 
 /// Runs the programs of the ways.
 pub struct Runner<'a> {
-    /// Whether a running program is to be stopped.
-    pub interrupted: &'a dyn Fn() -> bool,
+    /// Ends a running program with this one, however this one ends: nothing writes the flash then, and another call may.
+    pub supervisor: &'a Supervisor,
 }
 
 impl Runner<'_> {
@@ -61,14 +60,15 @@ impl Runner<'_> {
     ) -> Result<String, ProgramError> {
         let program = way.program();
         let path = find_program(program).map_err(|_| ProgramError::NotInstalled { way })?;
+        let arguments = arguments.into_iter().map(Into::into).collect();
+        let of_user = Program { name: program, program: path.into(), arguments, core: None };
         let start = |source| ProgramError::Start { program, source };
         let mut transcript = tempfile::tempfile().map_err(start)?;
-        let mut command = Command::new(path);
-        command.args(arguments.into_iter().map(Into::into)).stdin(Stdio::null());
+        let mut command = self.supervisor.command_of_user(&of_user);
+        command.stdin(Stdio::null());
         command.stdout(transcript.try_clone().map_err(start)?).stderr(transcript.try_clone().map_err(start)?);
-        // Plain text, and a group of its own: Ctrl-C reaches this program alone, which then stops the group.
-        let mut child =
-            command.env("NO_COLOR", "1").env("TERM", "dumb").process_group(0).spawn().map_err(start)?;
+        // Plain text. Its group is its own: Ctrl-C reaches this program alone, which then stops the group.
+        let mut child = command.env("NO_COLOR", "1").env("TERM", "dumb").spawn().map_err(start)?;
         let deadline = Instant::now() + limit;
         loop {
             if let Some(status) = child.try_wait().map_err(start)? {
@@ -79,7 +79,7 @@ impl Runner<'_> {
                     Err(ProgramError::Failed { program, status, output })
                 };
             }
-            if (self.interrupted)() {
+            if self.supervisor.interrupted() {
                 stop(&mut child);
                 return Err(ProgramError::Interrupted { program });
             }
