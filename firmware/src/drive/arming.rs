@@ -66,7 +66,10 @@ impl<L: LawSet> Drive<L> {
         let drive = self.parameters.drive();
         let source = match self.parameters.bench_mode() {
             None => Source::Link { last_answer: None },
-            Some(parameters) => Source::Pins(PinRun::new(parameters, &drive, now)),
+            Some(parameters) => {
+                let latest = self.pins.as_ref().map(Pins::readings).unwrap_or_default();
+                Source::Pins(PinRun::new(parameters, &drive, latest, now))
+            }
         };
         self.lifecycle.start(&drive, source, now)?;
         self.begin_counts();

@@ -25,8 +25,8 @@ pub(super) struct PinRun {
     /// One count of the load encoder in rad at the motor.
     load_rad: f32,
     started_at: Duration,
-    /// Readings at the first tick of the run.
-    first: Option<PinReadings>,
+    /// The latest readings at the start.
+    first: PinReadings,
     last_due: Option<Duration>,
     /// `None` until the host sends one: a law without a reference is not stepped.
     reference: Option<Reference>,
@@ -44,7 +44,12 @@ struct TwistCheck {
 }
 
 impl PinRun {
-    pub(super) fn new(parameters: PinParameters, drive: &DriveParameters, now: Duration) -> Self {
+    pub(super) fn new(
+        parameters: PinParameters,
+        drive: &DriveParameters,
+        first: PinReadings,
+        now: Duration,
+    ) -> Self {
         let period = Duration::from_micros(drive.period_us.into());
         Self {
             parameters,
@@ -53,7 +58,7 @@ impl PinRun {
             motor_rad: TAU / drive.motor_counts_per_rev as f32,
             load_rad: TAU / drive.load_counts_per_rev as f32 * drive.reduction_ratio,
             started_at: now,
-            first: None,
+            first,
             last_due: None,
             reference: None,
             next_sequence: 0,
@@ -105,10 +110,9 @@ impl PinRun {
         }
         let since = self.last_due.replace(due).map_or(Duration::ZERO, |last| due.saturating_sub(last));
         in_time(since, self.missing_after)?;
-        let first = *self.first.get_or_insert(*readings);
         for (code, now, then) in [
-            (FaultCode::MotorEncoderLost, readings.motor, first.motor),
-            (FaultCode::LoadEncoderLost, readings.load, first.load),
+            (FaultCode::MotorEncoderLost, readings.motor, self.first.motor),
+            (FaultCode::LoadEncoderLost, readings.load, self.first.load),
         ] {
             let detail = now.illegal_transitions.wrapping_sub(then.illegal_transitions);
             if detail > 0 {

@@ -87,12 +87,17 @@ impl Pins {
 
     /// Forgets what was implausible before the latest readings. These stay: the ticks go on, and `Arm` may follow at once.
     pub(super) fn reset(&mut self) {
-        let (readings, _) = self.latest.unwrap_or_default();
+        let readings = self.readings();
         let [motor, load] = [readings.motor, readings.load].map(|reading| Observed {
             illegal_at_reset: reading.illegal_transitions,
             fastest_counts_per_s: 0.0,
         });
         *self = Self { motor, load, ..*self };
+    }
+
+    /// The latest readings; zeros before the first ones.
+    pub(super) fn readings(&self) -> PinReadings {
+        self.latest.map(|(readings, _)| readings).unwrap_or_default()
     }
 
     /// Takes the readings of a period.

@@ -255,15 +255,19 @@ fn torque_is_clamped_and_flagged_as_in_hil_mode() {
 }
 
 #[test]
-fn a_reversed_encoder_counts_the_other_way() {
-    let mut host = PinHost::running(&[
-        ("motor_direction", ParameterValue::U32(1)),
-        ("load_direction", ParameterValue::U32(1)),
-    ]);
-    host.turn(300, -100);
-    host.refer(0.0);
-    let sample = host.step();
-    assert_eq!((sample.motor_counts.get(), sample.load_counts.get()), (-300, 100));
+fn each_encoder_counts_in_its_own_direction() {
+    for (motor, load) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let mut host = PinHost::running(&[
+            ("motor_direction", ParameterValue::U32(motor)),
+            ("load_direction", ParameterValue::U32(load)),
+        ]);
+        host.turn(300, -100);
+        host.refer(0.0);
+        let sample = host.step();
+        let sign = |direction: u32| 1 - 2 * direction.cast_signed();
+        let want = (300 * sign(motor), -100 * sign(load));
+        assert_eq!((sample.motor_counts.get(), sample.load_counts.get()), want);
+    }
 }
 
 #[test]

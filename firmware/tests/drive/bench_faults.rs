@@ -79,14 +79,22 @@ fn illegal_transitions_lose_the_encoder() {
     for (code, lose) in [
         (
             FaultCode::MotorEncoderLost,
-            (|host| host.readings.motor.illegal_transitions += 2) as fn(&mut PinHost),
+            (|host, times| host.readings.motor.illegal_transitions += times) as fn(&mut PinHost, u32),
         ),
-        (FaultCode::LoadEncoderLost, |host| host.readings.load.illegal_transitions += 2),
+        (FaultCode::LoadEncoderLost, |host, times| host.readings.load.illegal_transitions += times),
     ] {
-        let mut host = PinHost::under_torque();
-        lose(&mut host);
+        // The first one of a run counts.
+        for times in [1, 2] {
+            let mut host = PinHost::under_torque();
+            lose(&mut host, times);
+            let answers = host.tick();
+            assert_eq!(host.assert_faulted(&answers, code).detail, times);
+        }
+        // Before the first step too.
+        let mut host = PinHost::running(&[]);
+        lose(&mut host, 1);
         let answers = host.tick();
-        assert_eq!(host.assert_faulted(&answers, code).detail, 2);
+        assert_eq!(host.assert_faulted(&answers, code).detail, 1);
     }
 }
 
@@ -98,33 +106,43 @@ fn an_encoder_that_stands_still_while_the_other_moves_is_lost() {
         // One channel of the motor encoder still counts up and down.
         (FaultCode::MotorEncoderLost, -1, TURN / 100),
     ] {
-        let mut host = PinHost::running(&[("twist_limit_rad", ParameterValue::F32(0.5))]);
-        host.refer(0.0);
-        let (mut at, mut answers) = ((0, 0), Vec::new());
-        // Both move far, then one of them stands still on the way back.
-        for k in 0..300 {
-            at = (at.0 + 3 * TURN / 100, at.1 + TURN / 100);
-            host.turn(at.0, at.1);
-            host.refer(0.0);
-            assert_eq!(host.step().status.state, State::Running, "step {k}");
+        for start in [0, TWISTED] {
+            assert_lost(start, (code, motor, load));
         }
-        for k in 0..300 {
-            let stuck = motor == -1;
-            at = (at.0 - if stuck { if k % 2 == 0 { 1 } else { -1 } } else { motor }, at.1 - load);
-            host.turn(at.0, at.1);
-            host.refer(0.0);
-            answers = host.tick();
-            if host.drive.state() == State::Faulted {
-                break;
-            }
-        }
-        let report = host.assert_faulted(&answers, code);
-        assert_eq!(report.limit, 0.5);
-        // A hundredth of a turn of the load is 0.19 rad at the motor.
-        assert!((0.5..0.7).contains(&report.value), "{code}: {} rad", report.value);
-        let [DriveMessage::BenchSample(sample), _] = answers[..] else { panic!("{answers:?}") };
-        assert_eq!((sample.torque_nm, sample.status.state), (0.0, State::Faulted));
     }
+}
+
+/// Counts of the motor for a twist of 1 rad.
+const TWISTED: i64 = 20_861;
+
+/// Requires the loss of the encoder that stands still, in a run that starts at a twist.
+fn assert_lost(start: i64, (code, motor, load): (FaultCode, i64, i64)) {
+    let mut host = PinHost::running(&[("twist_limit_rad", ParameterValue::F32(0.5))]);
+    host.refer(0.0);
+    let (mut at, mut answers) = ((start, 0), Vec::new());
+    // Both move far, then one of them stands still on the way back.
+    for k in 0..300 {
+        at = (at.0 + 3 * TURN / 100, at.1 + TURN / 100);
+        host.turn(at.0, at.1);
+        host.refer(0.0);
+        assert_eq!(host.step().status.state, State::Running, "step {k}");
+    }
+    for k in 0..300 {
+        let stuck = motor == -1;
+        at = (at.0 - if stuck { if k % 2 == 0 { 1 } else { -1 } } else { motor }, at.1 - load);
+        host.turn(at.0, at.1);
+        host.refer(0.0);
+        answers = host.tick();
+        if host.drive.state() == State::Faulted {
+            break;
+        }
+    }
+    let report = host.assert_faulted(&answers, code);
+    assert_eq!(report.limit, 0.5);
+    // A hundredth of a turn of the load is 0.19 rad at the motor.
+    assert!((0.5..0.7).contains(&report.value), "{code}: {} rad", report.value);
+    let [DriveMessage::BenchSample(sample), _] = answers[..] else { panic!("{answers:?}") };
+    assert_eq!((sample.torque_nm, sample.status.state), (0.0, State::Faulted));
 }
 
 #[test]

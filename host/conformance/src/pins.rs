@@ -33,8 +33,9 @@ const PARAMETERS: [(&str, ParameterType); 9] = [
     ("duty_max", ParameterType::F32),
     ("twist_limit_rad", ParameterType::F32),
 ];
-/// Choices of `sample_source`, from 0.
+/// Choices of `sample_source`, and those of a direction, from 0.
 const SOURCES: [&str; 2] = ["link", "pins"];
+const DIRECTIONS: [&str; 2] = ["forward", "reverse"];
 pub(super) const PINS: ParameterValue = ParameterValue::U32(1);
 /// Least and largest details of the refusals by the hardware.
 const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 2]), (EncoderImplausible, [1, 5])];
@@ -64,8 +65,12 @@ fn parameters(client: &mut Client) -> RuleResult {
     }
     let it = client.parameter(SAMPLE_SOURCE)?;
     equal(&format!("default of {SAMPLE_SOURCE}"), ParameterValue::U32(0), it.default)?;
-    let choices: Vec<_> = it.choices.iter().map(|choice| choice.name.as_str()).collect();
-    equal(&format!("choices of {SAMPLE_SOURCE}"), SOURCES.to_vec(), choices)?;
+    let directions = ["motor_direction", "load_direction", "torque_direction"].map(|it| (it, DIRECTIONS));
+    for (name, wanted) in [(SAMPLE_SOURCE, SOURCES)].into_iter().chain(directions) {
+        let choices = &client.parameter(name)?.choices;
+        let choices: Vec<_> = choices.iter().map(|choice| choice.name.as_str()).collect();
+        equal(&format!("choices of {name}"), wanted.to_vec(), choices)?;
+    }
     for (name, ty) in PARAMETERS.into_iter().chain([(SAMPLE_SOURCE, ParameterType::U32)]) {
         let it = client.parameter(name)?;
         let is_of_all = it.laws.is_all(&client.description.laws);

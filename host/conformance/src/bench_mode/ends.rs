@@ -44,9 +44,10 @@ pub(super) fn checks() -> Vec<Check> {
 fn refused_sample(client: &mut Client) -> RuleResult {
     let mut run = Run::start(client, &[])?;
     let mut reports = run.reports(3, 0.5)?;
-    let zero = EncoderCounts::default();
-    for sequence in [0, reports.len() as u16] {
-        let sample = EncoderSample { sequence, motor_counts: zero, load_counts: zero, reference_rad: 0.0 };
+    // Each would be a fault in HIL mode.
+    let far = EncoderCounts::MAX;
+    for (sequence, reference_rad) in [(0, f32::NAN), (reports.len() as u16, 0.0)] {
+        let sample = EncoderSample { sequence, motor_counts: far, load_counts: far, reference_rad };
         let answers = run.client.request(sample)?;
         reports.extend(answers.iter().filter_map(report));
         let answers: Vec<_> = answers.into_iter().filter(|it| !is_report(it)).collect();

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::encoder::Encoder;
@@ -79,6 +80,8 @@ impl Scale {
 pub(crate) struct Setup {
     /// In the order of [`Encoder::BOTH`].
     pub(super) scales: [Scale; 2],
+    /// Instead of the default.
+    pub(super) law: Option<u8>,
 }
 
 impl Setup {
@@ -133,7 +136,7 @@ impl Setup {
             let at = encoder.index;
             Scale::fitted(client, encoder, period_us, counts_per_rev[at], counts_per_period[at])
         };
-        Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?] })
+        Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?], law: None })
     }
 
     pub(crate) const fn scale(&self, encoder: Encoder) -> Scale {
@@ -148,16 +151,18 @@ impl Setup {
             .fold(LONGEST_GAP, u16::min)
     }
 
-    pub(crate) fn settings(&self) -> [Setting; 5] {
+    pub(crate) fn settings(&self) -> Vec<Setting> {
         use ParameterValue::{F32, U32};
         let [motor, load] = self.scales;
-        [
+        let law = self.law.map(|law| (CONTROLLER, U32(law.into())));
+        let encoders = [
             ("period_us", U32(motor.period_us)),
             (Encoder::MOTOR.counts_per_rev, U32(motor.counts_per_rev)),
             (Encoder::LOAD.counts_per_rev, U32(load.counts_per_rev)),
             (Encoder::MOTOR.speed_limit, F32(motor.speed_limit_rad_s)),
             (Encoder::LOAD.speed_limit, F32(load.speed_limit_rad_s)),
-        ]
+        ];
+        encoders.into_iter().chain(law).collect()
     }
 
     /// Skips the check if the drive's ranges exclude these settings. A drive may choose its ranges freely.

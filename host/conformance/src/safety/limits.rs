@@ -5,9 +5,10 @@ use lashloop_protocol::enums::{FaultCode, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Reset, Stop, TorqueAnswer};
 
 use super::super::answers::{fault, hello, sample, torque};
-use super::super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::super::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::encoders::setup::Setup;
 use super::super::reactions::{first_sample, no_torque};
 
 const LIMIT: &str = "torque_limit_nm";
@@ -22,6 +23,7 @@ const SAMPLES: u16 = 10;
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("R7.11 R10.14", "a torque beyond the limit is limited and flagged SATURATED", limited),
+        check("R7.4 R7.11", "a limited torque after a gap is flagged GAP and SATURATED", limited_after_gap),
         check("R7.11", "a torque of exactly the limit is not flagged SATURATED", at_the_limit),
         check("R7.11 R9.6", "the torque limit of each run is the one set before its Arm", limits_of_runs),
         check("R7.11 R7.12", "an extreme reference gives a torque at the limit at most, or a fault", extreme),
@@ -61,7 +63,9 @@ fn limited(client: &mut Client) -> RuleResult {
             let expected = format!("{what}, limit {above_nm} N m: {free_nm} N m, no flags");
             expect(is_free, expected, same)?;
         }
-        for limit_nm in [0.995 * free_nm.abs(), free_nm.abs() / 2.0, free_nm.abs() / 16.0, 0.0] {
+        for limit_nm in
+            [0.995 * free_nm.abs(), free_nm.abs() / 2.0, free_nm.abs() / 16.0, 1e-5 * free_nm.abs(), 0.0]
+        {
             let answer = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
             let wanted = (limit_nm.copysign(free_nm), State::Running, TorqueFlags::SATURATED);
             let got = (answer.torque_nm, answer.status.state, answer.status.flags);
@@ -82,6 +86,29 @@ fn limited(client: &mut Client) -> RuleResult {
         equal("reference 0 rad, limit 0 N m: torque in N m, state and flags", wanted, got)?;
     }
     Ok(())
+}
+
+fn limited_after_gap(client: &mut Client) -> RuleResult {
+    let setup = Setup::coarse(client)?;
+    if setup.longest_gap() < 2 {
+        return skip("not run: no encoder setting of this drive allows a gap");
+    }
+    let after_gap = |client: &mut Client, limit: ParameterValue| {
+        client.reset()?;
+        setup.allowed(client)?;
+        client.running_if_consistent(&[&setup.settings()[..], &[(LIMIT, limit)]].concat())?;
+        client.torque(0)?;
+        client.torque(2)
+    };
+    let highest = client.parameter(LIMIT)?.max;
+    let free_nm = after_gap(client, highest)?.torque_nm;
+    let limit_nm = free_nm.abs() / 16.0;
+    if limit_nm == 0.0 {
+        return skip("not run: the law in force requests no torque");
+    }
+    let it = after_gap(client, ParameterValue::F32(limit_nm))?;
+    let wanted = (limit_nm.copysign(free_nm), TorqueFlags::GAP | TorqueFlags::SATURATED);
+    equal("torque in N m and flags after a gap", wanted, (it.torque_nm, it.status.flags))
 }
 
 /// A drive in double precision may request slightly more than the torque that it sends, but not for every reference.
