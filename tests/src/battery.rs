@@ -7,7 +7,7 @@ use lashloop_bench::device::{Connection, DeviceChoice};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
-use lashloop_conformance::{CheckResult, PowerStage, Reporter, TIME_LIMIT};
+use lashloop_conformance::{CheckResult, CheckStatus, PowerStage, Reporter, TIME_LIMIT};
 use lashloop_link::Link;
 
 /// What the Lashloop drive's description excludes.
@@ -15,7 +15,11 @@ pub const LASHLOOP_SKIPS: &[&str] =
     &["no law has 13 signals", "the drive has no 14 signals", "the drive has no bench mode"];
 
 /// What the Lashloop drive excludes with a plant at its pins.
-pub const LASHLOOP_BENCH_SKIPS: &[&str] = &["no law has 13 signals", "the drive has no 14 signals"];
+pub const LASHLOOP_BENCH_SKIPS: &[&str] =
+    &["no law has 13 signals", "the drive has no 14 signals", TOO_LITTLE_MOTION];
+
+/// Why a check of a load's speed is skipped with the plant of the paper.
+pub const TOO_LITTLE_MOTION: &str = "the mechanics at the pins move too little";
 
 /// What the description of a drive excludes whose single law is `pd`.
 pub const PD_ALONE_SKIPS: &[&str] = &[
@@ -75,6 +79,15 @@ impl Default for BenchMode {
 }
 
 impl BenchMode {
+    /// The results other than passed, but for the check that the plant excludes.
+    #[must_use]
+    pub fn not_passed(&self) -> Vec<&CheckResult> {
+        let excluded = CheckStatus::Skipped { reason: TOO_LITTLE_MOTION };
+        let others =
+            self.results.iter().filter(|it| it.status != CheckStatus::Passed && it.status != excluded);
+        others.collect()
+    }
+
     /// Makes the checks on a drive with a plant of the paper at its pins, reached by a link that is made of its own.
     ///
     /// # Panics

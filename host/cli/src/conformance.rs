@@ -12,7 +12,7 @@ use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
 use lashloop_conformance::{
-    self as conformance, CheckResult, CheckStatus, Listed, PowerStage, Reporter, TIME_LIMIT,
+    self as conformance, CheckResult, CheckStatus, Listed, PowerStage, Reporter, SILENT_CHECKS, TIME_LIMIT,
 };
 use lashloop_protocol::message::Identity;
 use lashloop_report::junit::{Case, Kind};
@@ -114,10 +114,13 @@ impl Arguments {
             print_json(&results)?;
         }
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
-        match ended {
-            // The drive breaks a rule, whatever comes after.
-            Err(error) if failed > 0 => complain(format_args!("{error}")),
-            ended => ended?,
+        if let Err(error) = ended {
+            // The drive has broken a rule, whatever ended the line later. Its silence then fails the last checks.
+            let before = &results[..results.len().saturating_sub(SILENT_CHECKS as usize)];
+            if !supervisor.interrupted() && Counts::of(before).failed == 0 {
+                return Err(error.into());
+            }
+            complain(format_args!("{error}"));
         }
         if !self.json {
             outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");

@@ -14,6 +14,7 @@ use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
+use lashloop_session::diagnosis::Cause;
 use lashloop_session::{Description, LawMask, Parameter, SessionError};
 
 use super::assertion::{Failure, RuleResult, broken, equal, expect};
@@ -35,10 +36,22 @@ const DESCRIBED: (&str, &str, &str) = (
 );
 
 /// The result of that check for a drive that has answered `Hello` and then sends nothing that answers a request of its
-/// description; `None` for one that is silent.
+/// description; `None` for one that is silent, and for a line that damages frames.
 pub(super) fn undescribed(error: &SessionError) -> Option<CheckResult> {
     let SessionError::Silent { waiting_for, limit, diagnosis, .. } = error else { return None };
-    if *waiting_for == Hello::LAYOUT.name || diagnosis.is_silence() {
+    let is_of_drive = match &diagnosis.cause {
+        Cause::Refused(_)
+        | Cause::Flood
+        | Cause::OtherNumber { .. }
+        | Cause::OtherIndex(_)
+        | Cause::PartAnswer { .. }
+        | Cause::OtherAnswers
+        | Cause::Crc(_)
+        | Cause::Framing(_) => true,
+        // The line, or another program on it.
+        _ => false,
+    };
+    if *waiting_for == Hello::LAYOUT.name || !is_of_drive {
         return None;
     }
     let (rules, name, expected) = DESCRIBED;

@@ -16,7 +16,7 @@ pub const TIME_LIMIT: Duration = Duration::from_secs(60);
 /// Parts of that time, one of which is for one attempt at a check.
 const PARTS: u32 = 12;
 /// Consecutive checks without a good frame after which the drive is lost.
-const MOST_SILENT_CHECKS: u32 = 3;
+pub const SILENT_CHECKS: u32 = 3;
 /// Attempts of a check that a drive or a bench that stands still may spoil.
 pub(super) const ATTEMPTS: u32 = 3;
 
@@ -142,9 +142,9 @@ impl Judge {
     pub(super) fn require_frames(&mut self, client: &Client) -> Result<(), SessionError> {
         let is_silent = self.is_made && client.line.decoder.counters().messages == self.messages_before;
         self.silent_checks = if is_silent { self.silent_checks + 1 } else { 0 };
-        if self.silent_checks < MOST_SILENT_CHECKS {
+        if self.silent_checks < SILENT_CHECKS {
             return Ok(());
         }
-        Err(client.line.silent("the requests of three checks", REQUEST_LIMIT * MOST_SILENT_CHECKS))
+        Err(client.line.silent("the requests of three checks", REQUEST_LIMIT * SILENT_CHECKS))
     }
 }

@@ -56,6 +56,7 @@ mod handshake;
 mod judge;
 mod latency;
 mod line;
+mod moment;
 mod parameters;
 mod pins;
 mod power_stage;
@@ -81,7 +82,7 @@ use std::time::Duration;
 
 use lashloop_protocol::message::Identity;
 
-pub use judge::TIME_LIMIT;
+pub use judge::{SILENT_CHECKS, TIME_LIMIT};
 pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
 pub use latency::LIMIT as ANSWER_LIMIT;
 pub use power_stage::PowerStage;

@@ -32,6 +32,6 @@ pub(crate) fn every_message() {
         );
     }
     assert_eq!(count(&image), costs, "the same in every run");
-    let problem = Image::read(&image).expect_err("it is no drive").problem;
+    let problem = Image::read(&image).expect_err("a program for measurements").problem;
     assert!(matches!(problem, ImageProblem::NoDrive), "{problem}");
 }

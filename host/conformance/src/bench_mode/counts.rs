@@ -9,8 +9,9 @@ use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 use super::super::assertion::{Failure, RuleResult, expect, skip};
 use super::super::check::Check;
 use super::super::client::Client;
+use super::super::moment::Moment;
 use super::super::range::nearest_real;
-use super::run::{Moment, Run, allowed};
+use super::run::{Run, allowed};
 
 /// Steps under torque, so that the mechanics leave their start, and steps without it.
 const MOVING: usize = 150;
@@ -49,8 +50,8 @@ fn continued(client: &mut Client) -> RuleResult {
         let mut run = Run::start(client, &[])?;
         let timing = run.timing();
         let reports = run.reports(MOVING, 1.0)?;
-        run.client.request(Stop {})?;
         let ended = Moment::latest(run.client);
+        run.client.request(Stop {})?;
         let mut run = if with_reset {
             client.reset()?;
             Run::start(client, &[])?
@@ -58,7 +59,7 @@ fn continued(client: &mut Client) -> RuleResult {
             Run::again(client, timing)?
         };
         let first = run.reports(1, 1.0)?[0];
-        let elapsed = ended.until(Moment::latest(run.client));
+        let elapsed = ended.elapsed(run.client);
         let reported = elapsed.div_duration_f64(period * timing.every.into());
         let counts = |it: &BenchSample| [it.motor_counts, it.load_counts];
         let (start, last) = (counts(&reports[0]), counts(&reports[reports.len() - 1]));

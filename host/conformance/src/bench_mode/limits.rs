@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{BenchSample, FaultReport, Subscribe};
+use lashloop_protocol::message::{BenchSample, FaultReport, Stop, Subscribe};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
@@ -12,6 +12,8 @@ use super::super::check::Check;
 use super::super::client::Client;
 use super::super::encoders::encoder::Encoder;
 use super::super::exchanges::result;
+use super::super::pins;
+use super::super::range::nearest_real;
 use super::super::reactions::{no_torque, still_reported};
 use super::super::telemetry::subscription::signals;
 use super::super::words::Words;
@@ -21,6 +23,9 @@ use super::run::{Run, TWIST_LIMIT_RAD, Timing, allowed};
 const SELDOM: u32 = 1_000;
 /// Time in which nothing follows a fault.
 const SILENT: Duration = Duration::from_millis(130);
+/// Steps of a motion, and the fewest counts in a period of a fast one.
+const MOVING: usize = 150;
+const FAST: f32 = 12.0;
 /// Counts by which the fastest motion exceeds a limit, so that every drive finds it.
 const CLEARLY: f32 = 3.0;
 
@@ -31,6 +36,12 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         allowed("R7.14 R18.1 R18.7", "a load faster than its limit is a fault, with its step", |client| {
             too_fast(client, Encoder::LOAD)
+        }),
+        allowed("R7.14 R18.4", "a motor faster than half its speed is a fault, and refuses Arm", |client| {
+            half_as_fast(client, Encoder::MOTOR)
+        }),
+        allowed("R7.14 R18.4", "a load faster than half its speed is a fault, and refuses Arm", |client| {
+            half_as_fast(client, Encoder::LOAD)
         }),
         allowed("R18.7 R18.12", "a change of the twist beyond its limit is a fault, with its step", twisted),
         allowed("R7.13 R18.1 R18.7", "a reference that is not finite is a fault, with its step", not_finite),
@@ -58,20 +69,57 @@ fn too_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
     }
     // The fault must come if the encoder was that fast.
     client.reset()?;
-    let (reports, _) = at_least(client, name, 1)?;
-    let counts = |it: &BenchSample| [it.motor_counts, it.load_counts][encoder.index];
-    let moves = reports.windows(2).map(|pair| counts(&pair[1]).wrapping_sub(counts(&pair[0])).unsigned_abs());
-    let period_s = 1e-6 * client.identity.period_us as f32;
-    let ParameterValue::F32(limit_rad_s) = client.parameter(name)?.min else {
+    let ParameterValue::F32(least_rad_s) = client.parameter(name)?.min else {
         return skip("the speed limit has another type");
     };
-    let limit_counts = limit_rad_s * period_s * counts_per_rev(client, encoder) / TAU;
-    match moves.max() {
-        Some(most) if most as f32 > limit_counts + CLEARLY => {
-            Err(broken(format!("a FaultReport for {most} counts in a period"), "none"))
-        }
-        _ => skip("the mechanics at the pins don't exceed the smallest limit"),
+    if is_as_fast(client, encoder, least_rad_s)? {
+        return Err(broken(format!("a FaultReport at the smallest {name}"), "none"));
     }
+    skip("the mechanics at the pins don't exceed the smallest limit")
+}
+
+/// Whether the encoder is faster than a limit by its reports, in a run at this limit that no fault ends.
+fn is_as_fast(client: &mut Client, encoder: Encoder, limit_rad_s: f32) -> Result<bool, Failure> {
+    let timing = Timing::of_every(client, &[], 1)?;
+    let settings = [(encoder.speed_limit, ParameterValue::F32(limit_rad_s))];
+    let (reports, fault) = Run::start_at(client, timing, &settings)?.until_fault(1.0)?;
+    let limit_counts = limit_rad_s / rad_s_per_count(client, encoder);
+    Ok(fault.is_none() && most_counts(&reports, encoder) > limit_counts + CLEARLY)
+}
+
+/// The speed of one count in a period.
+fn rad_s_per_count(client: &Client, encoder: Encoder) -> f32 {
+    TAU / counts_per_rev(client, encoder) / (1e-6 * client.identity.period_us as f32)
+}
+
+/// The most counts of an encoder from one step to the next.
+fn most_counts(reports: &[BenchSample], encoder: Encoder) -> f32 {
+    let counts = |it: &BenchSample| [it.motor_counts, it.load_counts][encoder.index];
+    let next = |pair: &&[BenchSample]| pair[1].sequence == pair[0].sequence.wrapping_add(1);
+    let moves = reports.windows(2).filter(next);
+    let moves = moves.map(|pair| counts(&pair[1]).wrapping_sub(counts(&pair[0])).unsigned_abs());
+    moves.max().unwrap_or(0) as f32
+}
+
+/// A limit of half the speed of a run, and of less than the fastest motion since power-up or `Reset`.
+fn half_as_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
+    let name = encoder.speed_limit;
+    let timing = Timing::of_every(client, &[], 1)?;
+    let reports = Run::start_at(client, timing, &[])?.reports(MOVING, 1.0)?;
+    let fastest = most_counts(&reports, encoder);
+    let half = nearest_real(client.parameter(name)?, fastest / 2.0 * rad_s_per_count(client, encoder))?;
+    if fastest < FAST || half > 0.75 * fastest * rad_s_per_count(client, encoder) {
+        return skip("the mechanics at the pins move too little");
+    }
+    client.request(Stop {})?;
+    client.put(name, ParameterValue::F32(half))?;
+    let it = pins::arm(client)?;
+    let wanted = (Outcome::EncoderImplausible, encoder.index as u32 + 2);
+    let what = format!("Arm with {name} {half} after {fastest} counts in a period: outcome and detail");
+    equal(&what, wanted, (it.outcome, it.detail))?;
+    client.reset()?;
+    let is_passed = is_as_fast(client, encoder, half)?;
+    expect(!is_passed, format!("a FaultReport for more than {half} rad/s"), "none")
 }
 
 /// As the identity has it: the parameter may be of either type.

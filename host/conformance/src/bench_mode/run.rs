@@ -1,15 +1,17 @@
 //! A run in bench mode.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{BenchSample, FaultReport, Reference};
+use lashloop_protocol::message::{BenchSample, FaultReport, Reference, Subscribe};
 use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_SOURCE};
 
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::exchanges::result;
+use super::super::moment::Moment;
 use super::super::pins::{self, PINS, UNREAD, has};
 use super::super::range::nearest_whole;
 use super::super::safety::fault_report;
@@ -23,15 +25,17 @@ pub(super) const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
 /// A pause without a step, and one between two references, on a quick drive.
 const PAUSE: Duration = Duration::from_millis(25);
 const BETWEEN: Duration = Duration::from_millis(4);
-/// How often to listen on for the drive's clock: an emulated drive is that much slower at most.
+/// Waits for the drive's clock at most: an emulated drive may be so many times slower.
 const MOST_LISTENS: u32 = 20;
 /// Exchanges that are timed by the drive's clock.
 const EXCHANGES: u32 = 8;
-/// References of a run at most, those before a fault, and starts that wait for the mechanics.
-const MOST_TURNS: u16 = 250;
+/// Time by which the steps of a run may be late.
+const LATEST: Duration = Duration::from_secs(1);
+/// References before a fault at most, and starts that wait for the mechanics.
 const FAULT_TURNS: u16 = 100;
 const MOST_WAITS: u32 = 100;
-const FIRST_NUMBER: u16 = 0x1234;
+/// The second one after it is smaller.
+const FIRST_NUMBER: u16 = 0x9234;
 const NO_RUN: &str = "the pins of the drive allow no run";
 
 /// A check that a drive without bench mode, and a host that doesn't allow it, leave out.
@@ -63,6 +67,7 @@ pub(super) struct Run<'client> {
 pub(super) struct Timing {
     /// Steps for each report.
     pub(super) every: u16,
+    period: Duration,
     /// Time between two references.
     turn: Duration,
 }
@@ -73,54 +78,53 @@ impl Timing {
         let period = period(client, settings);
         let every = steps_per_report(client, period)?;
         let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, every)?;
-        Ok(Self { every: every as u16, turn: BETWEEN.max(period * every) })
+        Ok(Self { every: every as u16, period, turn: BETWEEN.max(period * every) })
+    }
+
+    /// Of a report of every step, if the line has room for it; little else may be sent then.
+    pub(super) fn of_each(client: &mut Client, settings: &[Setting]) -> Result<Self, Failure> {
+        let period = period(client, settings);
+        let (by_drive, _) = shortest_exchange(client)?;
+        // Its frames are longer than a report.
+        let timing = Self::of_every(client, settings, steps(by_drive, period))?;
+        if timing.every == 1 {
+            return Ok(timing);
+        }
+        skip("not judged: this line is too slow for a report of every step")
     }
 
     /// Of a report of every n-th step, as near as the range of the parameter allows.
     pub(super) fn of_every(client: &Client, settings: &[Setting], every: u32) -> Result<Self, Failure> {
         let every = nearest_whole(client.parameter(BENCH_SAMPLE_EVERY)?, every)?;
-        Ok(Self { every: every as u16, turn: BETWEEN.max(period(client, settings)) })
+        let period = period(client, settings);
+        Ok(Self { every: every as u16, period, turn: BETWEEN.max(period) })
     }
 }
 
-/// Steps of this period for each report of one, so that the line has room for reports, references and answers.
+/// Steps of this period for each report of one, so that the line has room for reports, telemetry, references and answers.
 pub(super) fn steps_per_report(client: &mut Client, period: Duration) -> Result<u32, Failure> {
-    // An exchange is a little longer than its frames.
-    let steps = |exchange: Duration| (0.8 * exchange.div_duration_f64(period)).ceil().max(1.0) as u32;
-    let every = steps(client.exchange);
-    if every == 1 || !has(client, Capabilities::DEVICE_TIME) {
-        return Ok(every);
+    if steps(client.exchange, period) == 1 {
+        return Ok(1);
     }
+    let (by_drive, by_bench) = shortest_exchange(client)?;
+    let slowness = by_drive.div_duration_f64(by_bench).min(1.0);
+    Ok(steps(client.exchange.mul_f64(slowness), period))
+}
+
+/// An exchange is a little longer than its frames.
+fn steps(exchange: Duration, period: Duration) -> u32 {
+    (0.8 * exchange.div_duration_f64(period)).ceil().max(1.0) as u32
+}
+
+/// Mean time of the shortest request with its answer, by the drive's clock and by the bench's.
+fn shortest_exchange(client: &mut Client) -> Result<(Duration, Duration), Failure> {
     client.request_bytes(&[])?;
-    let before = Moment::latest(client);
+    let (before, began) = (Moment::latest(client), client.line.now());
     for _ in 0..EXCHANGES {
         client.request_bytes(&[])?;
     }
-    Ok(every.min(steps(before.until(Moment::latest(client)) / EXCHANGES)))
-}
-
-/// The moment of the latest answer, by the drive's clock if it has one: an emulated drive and its line are slower than the bench.
-#[derive(Clone, Copy)]
-pub(super) struct Moment {
-    at: Instant,
-    device_us: Option<u32>,
-}
-
-impl Moment {
-    pub(super) fn latest(client: &mut Client) -> Self {
-        Self { at: client.line.now(), device_us: client.arrivals.device_us }
-    }
-
-    pub(super) const fn has_own_clock(self) -> bool {
-        self.device_us.is_some()
-    }
-
-    pub(super) fn until(self, later: Self) -> Duration {
-        match self.device_us.zip(later.device_us) {
-            Some((from_us, to_us)) => Duration::from_micros(to_us.wrapping_sub(from_us).into()),
-            None => later.at.saturating_duration_since(self.at),
-        }
-    }
+    let passed = client.line.now().saturating_duration_since(began);
+    Ok((before.elapsed(client) / EXCHANGES, passed / EXCHANGES))
 }
 
 /// The control period of a run with these settings.
@@ -145,6 +149,16 @@ impl<'client> Run<'client> {
         timing: Timing,
         settings: &[Setting],
     ) -> Result<Self, Failure> {
+        Self::start_with(client, timing, settings, None)
+    }
+
+    /// As [`Self::start_at`], with telemetry.
+    pub(super) fn start_with(
+        client: &'client mut Client,
+        timing: Timing,
+        settings: &[Setting],
+        subscription: Option<Subscribe>,
+    ) -> Result<Self, Failure> {
         for _ in 0..MOST_WAITS {
             client.long_watchdog()?;
             let [scale, twist] =
@@ -157,6 +171,9 @@ impl<'client> Run<'client> {
                 (BENCH_SAMPLE_EVERY, ParameterValue::U32(timing.every.into())),
             ])?;
             client.put_all(settings)?;
+            if let Some(subscription) = subscription {
+                client.exchange("in Idle", &[result(subscription, Outcome::Accepted, State::Idle)])?;
+            }
             let it = pins::arm(client)?;
             match it.outcome {
                 Outcome::Accepted => {
@@ -207,6 +224,11 @@ impl<'client> Run<'client> {
     /// Sends a reference and returns what came before the drive had taken it.
     pub(super) fn refer(&mut self, reference_rad: f32) -> Result<Vec<DriveMessage>, Failure> {
         self.number = self.number.wrapping_add(0x3b1d);
+        self.refer_again(reference_rad)
+    }
+
+    /// As [`Self::refer`], with the number of the last one.
+    pub(super) fn refer_again(&mut self, reference_rad: f32) -> Result<Vec<DriveMessage>, Failure> {
         let messages = self.client.request(Reference { number: self.number, reference_rad })?;
         let answer = messages.iter().find(|it| matches!(it, DriveMessage::CommandResult(_)));
         let is_refused = messages.iter().any(|it| fault_report(it).is_some());
@@ -246,6 +268,8 @@ impl<'client> Run<'client> {
         reference_rad: impl Fn(u16) -> f32,
     ) -> Result<(Vec<DriveMessage>, Sent), Failure> {
         let (mut messages, mut sent, mut turns) = (Vec::new(), Vec::new(), 0);
+        let due = self.timing.period * self.timing.every.into() * count as u32;
+        let begun = Moment::latest(self.client);
         while messages.iter().filter(|it| wanted(it)).count() < count {
             let reference_rad = reference_rad(turns);
             messages.extend(self.refer(reference_rad)?);
@@ -256,7 +280,7 @@ impl<'client> Run<'client> {
             if let Some(report) = of_fault {
                 return Err(broken("a run in bench mode without a fault", report.words()));
             }
-            if turns > MOST_TURNS {
+            if begun.elapsed(self.client) > 4 * due + LATEST {
                 return Err(broken(format!("{count} reports in bench mode"), messages.words()));
             }
         }

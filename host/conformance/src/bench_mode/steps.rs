@@ -3,23 +3,26 @@
 use std::time::Duration;
 
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{BenchSample, Stop, Subscribe};
+use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::{BenchSample, Reference, Stop, Subscribe};
 use lashloop_protocol::parameter_names::{PERIOD_US, TORQUE_LIMIT_NM};
+use lashloop_protocol::wire::Payload;
 
 use super::super::assertion::{Failure, RuleResult, equal, expect, names};
 use super::super::check::Check;
 use super::super::client::Client;
-use super::super::exchanges::result;
+use super::super::moment::Moment;
 use super::super::range::nearest_whole;
+use super::super::receiver::framed;
+use super::super::safety::nearly_in_time;
 use super::super::telemetry::subscription::signals;
 use super::super::words::Words;
-use super::run::{Moment, Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
+use super::run::{Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
 
-use State::{Idle, Running};
+use State::Running;
 
 /// Steps over which the period is measured: more than 8 bits count. Fewer if they would take longer than this.
-const PACED_STEPS: u32 = 300;
+const PACED_STEPS: u32 = 600;
 const LONGEST_PACE_US: u32 = 600_000;
 /// Error of the drive's clock against its own timer, and against the bench's clock, as fractions.
 const OWN_CLOCK: f64 = 0.02;
@@ -36,14 +39,25 @@ pub(super) fn checks() -> Vec<Check> {
             "the first Reference begins the steps, and each has the last one's number",
             steps,
         ),
-        allowed("R18.6", "a step is made in every control period", |client| {
+        nearly_in_time(allowed("R18.6", "a step is made in every control period", |client| {
             let period_us = client.identity.period_us;
             pace(client, period_us)
-        }),
-        allowed("R9.6 R18.6", "the control period of the steps is the one set before Arm", |client| {
-            let period_us = client.identity.period_us;
-            pace(client, period_us / 2)
-        }),
+        })),
+        nearly_in_time(allowed(
+            "R9.6 R18.6",
+            "the control period of the steps is the one set before Arm",
+            |client| {
+                let period_us = client.identity.period_us;
+                pace(client, period_us / 2)?;
+                client.reset()?;
+                pace(client, period_us + period_us / 4)
+            },
+        )),
+        allowed(
+            "R2.4 R3.4 R18.7",
+            "a Reference that is too short is refused, and a longer one taken",
+            bodies,
+        ),
         allowed("R18.7", "every n-th step is reported, the first included", every),
         allowed("R18.7", "telemetry follows every n-th step, after its report", telemetry),
     ]
@@ -62,7 +76,7 @@ fn steps(client: &mut Client) -> RuleResult {
         let what = format!("messages before the first Reference of the {round} run:");
         equal(&what, Vec::new(), early.iter().filter(|it| is_report(it)).copied().collect())?;
         let mut reports = Vec::new();
-        for reference_rad in [1.0, 0.5, -1.0, 0.0] {
+        for reference_rad in [1.0, 0.5, 0.5, -1.0, 0.0] {
             let before = run.refer(reference_rad)?;
             reports.extend(before.iter().filter_map(report));
             let number = run.number;
@@ -100,18 +114,37 @@ fn steps(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
+fn bodies(client: &mut Client) -> RuleResult {
+    let mut run = Run::start(client, &[])?;
+    run.reports(1, 0.5)?;
+    let body = |number: u16| [&[Reference::LAYOUT.kind][..], &number.to_le_bytes(), &[0; 4]].concat();
+    let (short, long) = (run.number ^ 0x0100, run.number ^ 0x0200);
+    let shorter = (1..7).flat_map(|length| framed(&body(short)[..length])).collect::<Vec<_>>();
+    for (what, bytes, wanted) in [
+        ("too short a Reference", shorter, run.number),
+        ("a longer Reference", framed(&[body(long), vec![9; 3]].concat()), long),
+    ] {
+        run.client.request_bytes(&bytes)?;
+        run.listen(run.pause())?;
+        let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(report).collect();
+        let numbers: Vec<_> = after.iter().map(|it| it.reference_number).collect();
+        expect(!numbers.is_empty(), "reports in a run", "none")?;
+        equal(&format!("number of the Reference after {what}"), vec![wanted; numbers.len()], numbers)?;
+    }
+    Ok(())
+}
+
 /// The steps of a run with this period, against the drive's clock, or the bench's if the drive has none.
 fn pace(client: &mut Client, period_us: u32) -> RuleResult {
     let period_us = nearest_whole(client.parameter(PERIOD_US)?, period_us)?;
     let count = PACED_STEPS.min(LONGEST_PACE_US / period_us.max(1));
     let mut run = Run::start(client, &[(PERIOD_US, ParameterValue::U32(period_us))])?;
-    let (mut first, mut last, mut latest) = (None, None, None);
+    let (mut first, mut last, mut reports) = (None, None, Vec::new());
     run.client.slowest = Duration::ZERO;
-    let ends_at = run.client.line.now() + Duration::from_micros(LONGEST_PACE_US.into()) * 2;
-    while run.client.line.now() < ends_at {
-        let messages = run.refer(0.5)?;
-        latest = messages.iter().filter_map(report).next_back().or(latest);
-        if let Some(BenchSample { sequence, .. }) = latest {
+    let begun = Moment::latest(run.client);
+    while begun.elapsed(run.client) < Duration::from_micros(LONGEST_PACE_US.into()) * 2 {
+        reports.extend(run.refer(0.5)?.iter().filter_map(report));
+        if let Some(BenchSample { sequence, .. }) = reports.last().copied() {
             let place = (sequence, Moment::latest(run.client));
             let (begun, _) = *first.get_or_insert(place);
             last = Some(place);
@@ -119,8 +152,9 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
                 break;
             }
         }
-        latest = run.turn()?.iter().filter_map(report).next_back().or(latest);
+        reports.extend(run.turn()?.iter().filter_map(report));
     }
+    in_turn(&reports, run.timing().every)?;
     let (Some((first, from)), Some((last, to))) = (first, last) else {
         return expect(false, "reports after a Reference", "none");
     };
@@ -154,11 +188,9 @@ fn telemetry(client: &mut Client) -> RuleResult {
     // Of every second report, and twice as often as reports.
     for (steps, every) in [(1, 2), (2, 1)] {
         client.reset()?;
-        client.idle()?;
         let every = every * fitted.every;
-        client.exchange("in Idle", &[result(Subscribe { signals, every }, Outcome::Accepted, Idle)])?;
         let timing = Timing::of_every(client, &[], steps * u32::from(fitted.every))?;
-        let mut run = Run::start_at(client, timing, &[])?;
+        let mut run = Run::start_with(client, timing, &[], Some(Subscribe { signals, every }))?;
         let (messages, _) = run.until(4, |it| matches!(it, DriveMessage::Telemetry(_)), |_| 0.5)?;
         let (mut last, mut numbers) = (None, Vec::new());
         for message in &messages {
@@ -177,6 +209,10 @@ fn telemetry(client: &mut Client) -> RuleResult {
         }
         let wanted: Vec<_> = (0..numbers.len() as u16).map(|place| every * place).collect();
         equal(&format!("steps with telemetry, of every {every}:"), wanted, numbers)?;
+        run.client.request(Subscribe { signals: 0, every: 0 })?;
+        let later = run.listen(run.pause())?;
+        let later = later.into_iter().find(|it| matches!(it, DriveMessage::Telemetry(_)));
+        equal("telemetry after the end of the subscription:", None, later)?;
     }
     Ok(())
 }

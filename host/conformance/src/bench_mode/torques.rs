@@ -4,9 +4,9 @@ use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{BenchSample, EncoderSample, SetParameter, Subscribe, Telemetry};
-use lashloop_protocol::parameter_names::{CONTROLLER, TORQUE_LIMIT_NM};
+use lashloop_protocol::parameter_names::{CONTROLLER, PERIOD_US, TORQUE_LIMIT_NM};
 
-use super::super::answers::torque;
+use super::super::answers::{report as find_report, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
 use super::super::check::Check;
 use super::super::client::Client;
@@ -26,9 +26,11 @@ const BEFORE: usize = 20;
 const EVERY: u16 = 10;
 /// A reference that is far from all others, in rad.
 const FAR_RAD: f32 = -3.0;
-/// The step from which a live value that was set after the last report may be in force: one step may be on its way, and the
+/// Steps by which a live value may be in force later than from the one after the last report: one step may be on its way, and the
 /// report of another one.
-const LATEST_CHANGE: u16 = 3;
+const LATEST_CHANGE: u16 = 2;
+/// Live parameters that are tried at most.
+const MOST_LIVE: usize = 8;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -69,12 +71,29 @@ fn every_law(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
+/// The first live parameter that changes the torques in HIL mode.
 fn live_value(client: &mut Client) -> RuleResult {
     let law = client.default_law();
-    let found = client.description.parameters.iter().find(|it| it.live && it.laws.contains(law));
-    let Some(it) = found else { return skip("the law in force has no live parameter") };
-    let live = SetParameter { index: it.index, value: another(it) };
-    Conditions { law, settings: &[], live: Some(live) }.compare(client).map(drop)
+    let live = client.description.parameters.iter().filter(|it| it.live && it.laws.contains(law));
+    let live: Vec<_> = live.map(|it| SetParameter { index: it.index, value: another(it) }).collect();
+    for live in live.into_iter().take(MOST_LIVE) {
+        client.reset()?;
+        let it = Conditions { law, settings: &[], live: Some(live) };
+        let (pins, changed) = it.run_on_pins(client)?;
+        let without = it.run_on_link(client, &pins.samples, None)?;
+        let mut with = it.run_on_link(client, &pins.samples, changed)?;
+        if with.torques == without.torques {
+            continue;
+        }
+        for later in 1..=LATEST_CHANGE {
+            if with.torques == pins.torques {
+                break;
+            }
+            with = it.run_on_link(client, &pins.samples, changed.map(|it| it.wrapping_add(later)))?;
+        }
+        return same(&pins, &with);
+    }
+    skip("the law in force has no live parameter that changes its torques")
 }
 
 /// What a run in bench mode and its repetition in HIL mode have in common.
@@ -92,22 +111,22 @@ struct Steps {
     telemetry: Vec<Telemetry>,
 }
 
+/// Requires the torques and flags of HIL mode.
+fn same(pins: &Steps, link: &Steps) -> RuleResult {
+    for ((sample, link), pins) in pins.samples.iter().zip(&link.torques).zip(&pins.torques) {
+        let what = format!("torque in N m and flags of step {}, as in HIL mode,", sample.sequence);
+        equal(&what, link, pins)?;
+    }
+    Ok(())
+}
+
 impl Conditions<'_> {
     /// The drive itself in HIL mode is the reference: its own counts and references as samples. Returns the largest torque in N m.
     fn compare(&self, client: &mut Client) -> Result<f32, Failure> {
-        let (pins, changed) = self.run_on_pins(client)?;
-        let mut link = self.run_on_link(client, &pins.samples, changed)?;
-        for later in 1..if self.live.is_some() { LATEST_CHANGE } else { 0 } {
-            if link.torques == pins.torques {
-                break;
-            }
-            link = self.run_on_link(client, &pins.samples, changed.map(|it| it.wrapping_add(later)))?;
-        }
-        for ((sample, link), pins) in pins.samples.iter().zip(&link.torques).zip(&pins.torques) {
-            let what = format!("torque in N m and flags of step {}, as in HIL mode,", sample.sequence);
-            equal(&what, link, pins)?;
-        }
-        if self.live.is_none() && !pins.telemetry.is_empty() {
+        let (pins, _) = self.run_on_pins(client)?;
+        let link = self.run_on_link(client, &pins.samples, None)?;
+        same(&pins, &link)?;
+        if link.telemetry != pins.telemetry {
             let again = self.run_on_link(client, &pins.samples, None)?;
             self.compare_telemetry(client, &pins.telemetry, [&link.telemetry, &again.telemetry])?;
         }
@@ -117,22 +136,29 @@ impl Conditions<'_> {
 
     /// Counts, references, torques and telemetry of steps, and the step from which the live value may be in force.
     fn run_on_pins(&self, client: &mut Client) -> Result<(Steps, Option<u16>), Failure> {
-        let timing = Timing::fitted(client, self.settings)?;
-        if timing.every != 1 {
-            return skip("not judged: this line is too slow for a report of every step");
-        }
-        self.subscribe(client)?;
-        let mut run = Run::start_at(client, timing, self.settings)?;
+        let timing = Timing::of_each(client, self.settings)?;
+        let subscription = self.subscription(client);
+        let mut run = Run::start_with(client, timing, self.settings, subscription)?;
         let reference_rad = |turn: u16| 0.25 * f32::from(turn % 5);
         let (mut messages, mut sent) = run.until(BEFORE, is_report, reference_rad)?;
         let zero = Default::default();
         let refused =
             EncoderSample { sequence: 0, motor_counts: zero, load_counts: zero, reference_rad: FAR_RAD };
         messages.extend(run.client.request(refused)?);
+        // What isn't live is as fixed as in HIL mode.
+        let fixed = run.client.parameter(PERIOD_US)?;
+        let fixed = SetParameter { index: fixed.index, value: fixed.default };
+        let answers = run.client.request(fixed)?;
+        let it = find_report(fixed.index, &answers)?;
+        equal("SetParameter period_us in Running", Outcome::WrongState, it.outcome)?;
+        messages.extend(answers);
         messages.extend(run.turn()?);
         if let Some(live) = self.live {
             let is_answer = |it: &DriveMessage| matches!(it, DriveMessage::ParameterReport(_));
             let answers = run.client.request_until(live, is_answer)?;
+            let it = find_report(live.index, &answers)?;
+            let wanted = (Outcome::Accepted, live.value);
+            equal("SetParameter of a live value in Running", wanted, (it.outcome, it.value))?;
             messages.extend(answers);
         }
         let changed = messages.iter().filter_map(report).next_back().map(|it| it.sequence.wrapping_add(1));
@@ -163,7 +189,11 @@ impl Conditions<'_> {
         changed: Option<u16>,
     ) -> Result<Steps, Failure> {
         client.reset()?;
-        self.subscribe(client)?;
+        client.idle()?;
+        if let Some(subscription) = self.subscription(client) {
+            let state = client.state;
+            client.exchange("in Idle", &[result(subscription, Outcome::Accepted, state)])?;
+        }
         client.running(self.settings)?;
         let mut steps = Steps { samples: samples.to_vec(), torques: Vec::new(), telemetry: Vec::new() };
         for sample in samples {
@@ -180,22 +210,18 @@ impl Conditions<'_> {
         Ok(steps)
     }
 
-    /// To signals of the law, in `Idle`.
-    fn subscribe(&self, client: &mut Client) -> RuleResult {
-        client.idle()?;
+    /// To signals of the law, if it has any.
+    fn subscription(&self, client: &Client) -> Option<Subscribe> {
         let signals = self.signals(client).into_iter().fold(0, |all, index| all | 1 << index);
-        if signals == 0 {
-            return Ok(());
-        }
-        let subscribed = result(Subscribe { signals, every: EVERY }, Outcome::Accepted, client.state);
-        client.exchange("in Idle", &[subscribed])
+        (signals != 0).then_some(Subscribe { signals, every: EVERY })
     }
 
     fn signals(&self, client: &Client) -> Vec<u8> {
         law_signals(client, self.law).into_iter().take(MAX_TELEMETRY_VALUES).collect()
     }
 
-    /// Compares the signals that depend on the samples alone: each run on the link has the same values, and not one value.
+    /// Compares the signals that depend on the samples alone: each run on the link has the same values, none of which is equal to
+    /// the next. A measured time is not among them.
     fn compare_telemetry(
         &self,
         client: &Client,
@@ -203,14 +229,13 @@ impl Conditions<'_> {
         [link, again]: [&[Telemetry]; 2],
     ) -> RuleResult {
         let bits = |of: &[Telemetry], place: usize| -> Vec<Option<u32>> {
-            of.iter()
-                .take(pins.len())
-                .map(|it| it.values.as_slice().get(place).map(|it| it.to_bits()))
-                .collect()
+            let of_step = |pins: &Telemetry| of.iter().find(|it| it.sequence == pins.sequence);
+            let value = |it: &Telemetry| it.values.as_slice().get(place).map(|it| it.to_bits());
+            pins.iter().map(|it| of_step(it).and_then(value)).collect()
         };
         for (place, index) in self.signals(client).into_iter().enumerate() {
             let (link, again) = (bits(link, place), bits(again, place));
-            if link != again || link.windows(2).all(|pair| pair[0] == pair[1]) {
+            if link != again || link.windows(2).any(|pair| pair[0] == pair[1]) {
                 continue;
             }
             for ((telemetry, link), pins) in pins.iter().zip(link).zip(bits(pins, place)) {

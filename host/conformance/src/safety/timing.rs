@@ -19,7 +19,7 @@ pub(super) const CLOCK_TOLERANCE: f64 = 0.1;
 pub(super) const QUICK: u16 = 10;
 /// Slowest answer, and greatest lateness of the bench, with which the times of these checks hold.
 const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
-/// As above, for what must happen within a second. A part of every watchdog that is set there.
+/// As above, for what must happen within a second. Shorter than every watchdog of these checks.
 const SLOWEST_OF_ALL: Duration = Duration::from_millis(30);
 /// Last attempt with samples at a time, from 0.
 pub(super) const LONGEST_ATTEMPT: u32 = 4;

@@ -20,6 +20,7 @@ use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::encoders::setup::Setup;
 use super::super::judge::ATTEMPTS;
+use super::super::moment::Moment;
 use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
 use super::super::receiver::framed;
 use super::super::words::Words;
@@ -130,7 +131,7 @@ fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) 
         client.request(ClearFault {})?;
     }
     for (_, _, feed) in FEEDS {
-        for count in 0..4 {
+        for count in 0..5 {
             let answers = client.request_bytes(&feed(client, count))?;
             found = found.or(answers.iter().find_map(fault_report));
         }
@@ -275,10 +276,11 @@ pub(crate) const FEEDS: [(&str, &str, Feed); 5] = [
         match count % 5 {
             0 => bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 },
             1 => return DriveMessage::from(counted(0, 0, 0)).frame().to_vec(),
-            // Not COBS; and too long, after a delimiter.
+            // Not COBS.
             2 => return vec![9, 9, DELIMITER],
             // A sample and a reference without their ends.
             3 => return [framed(&[0x10, 3, 0]), framed(&[0x11, 9, 0])].concat(),
+            // Too long, after a delimiter.
             _ => bytes = [&[DELIMITER][..], &[5; 70]].concat(),
         }
         bytes.push(DELIMITER);
@@ -292,9 +294,9 @@ fn strays_first(client: &mut Client) -> RuleResult {
     client.put(NAME, micros(WATCHDOG))?;
     client.arm_if_consistent()?;
     client.start()?;
-    let give_up = client.line.now() + WATCHDOG + PATIENCE;
+    let begun = Moment::latest(client);
     for sequence in 5000.. {
-        if client.state != State::Running || client.line.now() >= give_up {
+        if client.state != State::Running || begun.elapsed(client) >= WATCHDOG + PATIENCE {
             break;
         }
         client.request_bytes(&frame(sample(sequence)))?;
@@ -312,9 +314,9 @@ fn feeds() -> impl Iterator<Item = Check> {
             for sequence in 1..3 {
                 accepted(client, sample(sequence), TorqueFlags::empty())?;
             }
-            let give_up = client.line.now() + WATCHDOG + PATIENCE;
+            let begun = Moment::latest(client);
             for count in 0.. {
-                if client.state != State::Running || client.line.now() >= give_up {
+                if client.state != State::Running || begun.elapsed(client) >= WATCHDOG + PATIENCE {
                     break;
                 }
                 client.request_bytes(&feed(client, count))?;

@@ -1,19 +1,20 @@
 //! Subscriptions that a drive refuses, in the order of its checks. None may change the subscription.
 
 use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Stop, Subscribe};
-use lashloop_protocol::parameter_names::{CONTROLLER, WATCHDOG_US};
+use lashloop_protocol::parameter_names::{CONTROLLER, SAMPLE_SOURCE, WATCHDOG_US};
 use lashloop_protocol::wire::Payload;
 
 use lashloop_session::DriveSignal;
 
-use super::super::answers::line_report;
-use super::super::assertion::{RuleResult, expect, skip};
+use super::super::answers::{command_result, line_report};
+use super::super::assertion::{RuleResult, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::exchanges::{Exchange, reads, refused, result};
+use super::super::pins::{has, widest_duties};
 use super::subscription::{TORQUE, accepted, carries, follows, law_signals, lowest, signals};
 
 use Outcome::{Accepted, OutOfRange, SignalOfOtherLaw, UnknownIndex, WrongState};
@@ -163,6 +164,7 @@ fn lacking(client: &mut Client) -> RuleResult {
     let own = law_signals(client, law).last().map_or(0, |index| 1 << index);
     accepted(client, signals | own, 1)?;
     of_other_law(client, Arm { session }, Idle, &lacked)?;
+    of_other_law_on_pins(client, &lacked)?;
     let before = line_report(&client.request(Stop {})?)?;
     for every in [0, 1] {
         accepted(client, signals, every)?;
@@ -203,6 +205,21 @@ fn lacking(client: &mut Client) -> RuleResult {
     subscribed(client, 0, own)?;
     (1..3).try_for_each(|sequence| follows(client, sequence, TORQUE))?;
     client.exchange("in Running", &[result(Subscribe { signals: 0, every: 1 }, Accepted, Running)])
+}
+
+/// The same in bench mode, unless the pins are a reason too.
+fn of_other_law_on_pins(client: &mut Client, lacked: &DriveSignal) -> RuleResult {
+    if !has(client, Capabilities::BENCH_MODE) {
+        return Ok(());
+    }
+    widest_duties(client)?;
+    let answers = client.request(Arm { session: client.session })?;
+    let it = command_result(&Arm::LAYOUT, &answers)?;
+    if !matches!(it.outcome, Outcome::EncoderImplausible | Outcome::PowerStageFault) {
+        let wanted = (SignalOfOtherLaw, u32::from(lacked.index));
+        equal("to Arm in bench mode, outcome and detail", wanted, (it.outcome, it.detail))?;
+    }
+    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))
 }
 
 /// Requires the refusal with `SignalOfOtherLaw` in this state, with the index of the signal.
