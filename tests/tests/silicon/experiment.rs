@@ -37,7 +37,7 @@ impl Drive {
         let device = terminal::device(&self.terminal);
         let deadline = Instant::now() + PATIENCE;
         loop {
-            let ended = program::run(["identify", "--device", &device]);
+            let ended = program::run(["parameters", "hash", "--device", &device]);
             if ended.code == Some(0) {
                 return;
             }

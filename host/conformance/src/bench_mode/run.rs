@@ -31,8 +31,8 @@ const MOST_LISTENS: u32 = 20;
 const EXCHANGES: u32 = 8;
 /// Time by which the steps of a run may be late.
 const LATEST: Duration = Duration::from_secs(1);
-/// References before a fault at most, and starts that wait for the mechanics.
-const FAULT_TURNS: u16 = 100;
+/// Time with references before a fault, and starts that wait for the mechanics, at most.
+const FAULT_LIMIT: Duration = Duration::from_millis(500);
 const MOST_WAITS: u32 = 100;
 /// The second one after it is smaller.
 const FIRST_NUMBER: u16 = 0x9234;
@@ -299,7 +299,8 @@ impl<'client> Run<'client> {
         reference_rad: f32,
     ) -> Result<(Vec<BenchSample>, Option<FaultReport>), Failure> {
         let (mut reports, mut fault) = (Vec::<BenchSample>::new(), None);
-        for _ in 0..FAULT_TURNS {
+        let begun = Moment::latest(self.client);
+        while begun.elapsed(self.client) < FAULT_LIMIT {
             let mut messages = self.refer(reference_rad)?;
             messages.extend(self.turn()?);
             for message in &messages {
