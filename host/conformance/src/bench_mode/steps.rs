@@ -29,6 +29,8 @@ const OWN_CLOCK: f64 = 0.02;
 const OTHER_CLOCK: f64 = 0.1;
 /// Lateness of the bench with which its clock counts.
 const LATEST: Duration = Duration::from_millis(4);
+/// Least fraction of the reports that arrive.
+const REPORTED: f64 = 0.9;
 /// Steps whose reports are on their way, at either end.
 const UNDERWAY: f64 = 3.0;
 
@@ -154,7 +156,10 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
         }
         reports.extend(run.turn()?.iter().filter_map(report));
     }
-    in_turn(&reports, run.timing().every)?;
+    // A drive may omit reports that its transmit buffer can't hold, which the line has room for.
+    let due = reports.last().map_or(0, |it| it.sequence / run.timing().every);
+    let expected = format!("most of {due} reports");
+    expect(reports.len() as f64 >= REPORTED * f64::from(due), expected, reports.len())?;
     let (Some((first, from)), Some((last, to))) = (first, last) else {
         return expect(false, "reports after a Reference", "none");
     };
