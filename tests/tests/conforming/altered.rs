@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_conformance::{CheckResult, CheckStatus, Reporter, TIME_LIMIT, run};
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::limits::FLAG_NAMES;
@@ -190,11 +190,16 @@ fn with_flag_known(bytes: &[u8], number: u8) -> Vec<u8> {
 
 /// The results of a battery, and how it ended.
 pub struct Battery {
+    time_limit: Duration,
     pub results: Vec<CheckResult>,
     pub ended: Result<(), SessionError>,
 }
 
 impl Reporter for Battery {
+    fn time_limit(&self) -> Duration {
+        self.time_limit
+    }
+
     fn checked(&mut self, result: &CheckResult) {
         self.results.push(result.clone());
     }
@@ -202,7 +207,11 @@ impl Reporter for Battery {
 
 impl Battery {
     pub fn of(link: Altered) -> Self {
-        let mut battery = Self { results: Vec::new(), ended: Ok(()) };
+        Self::within(TIME_LIMIT, link)
+    }
+
+    pub fn within(time_limit: Duration, link: Altered) -> Self {
+        let mut battery = Self { time_limit, results: Vec::new(), ended: Ok(()) };
         battery.ended = run(Box::new(link), 7, &mut battery);
         battery
     }

@@ -85,6 +85,23 @@ fn a_silent_drive_ends_the_battery_after_three_checks() {
     assert!(silent.iter().all(|it| it.status != CheckStatus::Passed), "{silent:#?}");
 }
 
+#[test]
+fn a_drive_that_never_describes_itself_fails() {
+    let battery = Battery::of(Altered::new(|message, _| match &message.message {
+        DriveMessage::ParameterDescription(it) => {
+            instead(message, ParameterDescription { index: it.index ^ 1, ..*it })
+        }
+        _ => whole(message),
+    }));
+    assert!(battery.ended.is_ok(), "{:?}", battery.ended);
+    let [failed] = &battery.results[..] else { panic!("{:#?}", battery.results) };
+    assert_eq!(failed.name, "the drive describes all that it announces");
+    assert!(
+        matches!(&failed.status, CheckStatus::Failed { got, .. } if got.contains("DescribeParameter")),
+        "{failed:#?}"
+    );
+}
+
 /// `Start` is done and answered as refused.
 #[test]
 fn a_failed_preparation_fails_one_check_and_leaves_the_others_unjudged() {
@@ -122,6 +139,15 @@ fn a_slow_drive_ends_the_battery_after_a_minute() {
     for it in &battery.results {
         assert!(it.took <= Duration::from_millis(5_500), "{} took {:?}", it.name, it.took);
     }
+}
+
+#[test]
+fn another_time_limit_ends_the_battery_and_an_attempt_at_a_twelfth_of_it() {
+    let battery = Battery::within(Duration::from_secs(120), Altered::slow(Duration::from_millis(300)));
+    let last = battery.results.last().map(|it| it.status.clone());
+    assert_eq!(last, Some(CheckStatus::NotJudged { cause: "120 s have passed".to_owned() }));
+    let of_attempt = CheckStatus::NotJudged { cause: "10 s have passed in this check".to_owned() };
+    assert!(battery.results.iter().any(|it| it.status == of_attempt), "{:#?}", battery.not_judged());
 }
 
 #[test]

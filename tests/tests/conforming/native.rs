@@ -36,6 +36,16 @@ fn a_drive_in_process_passes_every_check_of_bench_mode_with_a_plant_at_its_pins(
 }
 
 #[test]
+fn a_program_that_ends_by_itself_breaks_a_rule_and_one_that_is_killed_does_not() {
+    for (command, code) in [("exec:false", 1), ("exec:sh -c 'kill -SEGV $$'", 1), ("exec:sh -c 'kill $$'", 4)]
+    {
+        let ended = run(["conformance", "--device", command]).with_code(code);
+        let line = "FAIL          run: the drive runs to the last check; expected a program that ends with its input";
+        assert_eq!(ended.stdout.contains(line), code == 1, "{command}: {}{}", ended.stdout, ended.stderr);
+    }
+}
+
+#[test]
 fn a_plant_of_hil_mode_is_refused() {
     let plant = "scenarios/smooth-after.toml";
     let ended = run(["conformance", "--device", "inproc", "--bench-mode", "--plant", plant]).with_code(2);

@@ -212,12 +212,10 @@ pub(crate) fn killed() {
     bench.program("probe-rs", &script);
     let flash = bench.start(&["--device", &twin.device()]);
     let loader = tests::wait::until("the program writes", || {
-        std::fs::read_to_string(bench.path("writing")).ok()?.trim().parse::<u32>().ok()
+        fs::read_to_string(bench.path("writing")).ok()?.trim().parse::<u32>().ok()
     });
     flash.signal(rustix::process::Signal::KILL);
-    tests::wait::until("the program ends with the bench", || {
-        (!std::path::Path::new(&format!("/proc/{loader}")).exists()).then_some(())
-    });
+    tests::wait::until("the program ends with the bench", || (!tests::processes::runs(loader)).then_some(()));
 }
 
 pub(crate) fn dfu_different() {

@@ -3,11 +3,12 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tests::program::{self, lashloop};
 use tests::records::Records;
 use tests::terminal::{self, Terminal};
+use tests::wait;
 
 use crate::equipment;
 
@@ -35,14 +36,8 @@ impl Drive {
     /// On a busy machine its program takes longer to load than a bench waits for a drive.
     fn await_answer(&self) {
         let device = terminal::device(&self.terminal);
-        let deadline = Instant::now() + PATIENCE;
-        loop {
-            let ended = program::run(["parameters", "hash", "--device", &device]);
-            if ended.code == Some(0) {
-                return;
-            }
-            assert!(Instant::now() < deadline, "{}", ended.stderr);
-        }
+        let ask = || program::run(["parameters", "hash", "--device", &device]);
+        wait::look(PATIENCE, || (ask().code == Some(0)).then_some(())).expect("the drive answers");
     }
 
     fn power_off(&mut self) {
