@@ -164,10 +164,17 @@ pub(super) const COMMAND: &str = "command";
 const CRASHES: [Signal; 5] = [Signal::ILL, Signal::ABORT, Signal::BUS, Signal::FPE, Signal::SEGV];
 
 impl DeviceError {
-    /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside.
+    /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside. One that has sent
+    /// no good frame and says that it succeeded may be anything, such as `cat`.
     #[must_use]
     pub fn has_crashed(&self) -> bool {
-        let Self::Ended { name: COMMAND, status, .. } = self else { return false };
+        let Self::Ended { name: COMMAND, status, source, .. } = self else { return false };
+        if let SessionError::Broken { last_seen, .. } | SessionError::Silent { last_seen, .. } = &**source
+            && last_seen.frame.is_none()
+            && status.success()
+        {
+            return false;
+        }
         let signal = status.signal().and_then(Signal::from_named_raw);
         status.code().is_some() || signal.is_some_and(|signal| CRASHES.contains(&signal))
     }
