@@ -181,7 +181,8 @@ pub(crate) fn interrupted() {
     assert_eq!(processes::name(stm32flash), PROGRAM);
     running.signal(Signal::INT);
     let ended = running.wait().with_code(3);
-    assert!(!processes::runs(stm32flash), "stm32flash still runs");
+    // The kernel may take a moment to end what has been killed.
+    wait::until("the end of stm32flash", || (!processes::runs(stm32flash)).then_some(()));
     assert!(
         ended.stderr.contains("interrupted; the flash may be incomplete; hold BOOT0"),
         "{}",
