@@ -31,6 +31,7 @@ pub mod board;
 pub mod control;
 pub mod direction;
 pub mod drive;
+pub mod input_filter;
 pub mod law;
 mod laws;
 pub mod power_stage;

@@ -5,7 +5,8 @@
 //! direction; from then on the constant differs by two.
 //!
 //! The counter follows its channels with the delay of its input filter. They are compared only if the counter stood still
-//! from before the reading of the channels until that delay after it; otherwise the comparison waits for a later reading.
+//! from before the reading of the channels until that delay after it, and the channels have the same levels then: a pulse that
+//! the filter stops is not taken for a level. Otherwise the comparison waits for a later reading.
 
 use lashloop_protocol::EncoderCounts;
 
@@ -34,11 +35,11 @@ struct Last {
 pub struct Sampled {
     /// The counter.
     pub counter: u16,
-    /// Level of channel A after the reading of the counter. A leads B while the count rises.
-    pub a: bool,
-    /// Level of channel B after the reading of the counter.
-    pub b: bool,
-    /// The counter, at least the delay of its input filter after the levels.
+    /// Levels of the channels A and B after the reading of the counter. A leads B while the count rises.
+    pub levels: (bool, bool),
+    /// The levels, at least the delay of the input filter later.
+    pub levels_after: (bool, bool),
+    /// The counter after that.
     pub counter_after: u16,
 }
 
@@ -52,8 +53,8 @@ impl QuadratureCounter {
         let moved = i32::from(hardware.wrapping_sub(last.hardware) as i16);
         let counts = last.counts.wrapping_add(moved);
         let mut offset = last.offset;
-        if sampled.counter_after == hardware {
-            let present = phase(sampled.a, sampled.b).wrapping_sub(hardware) & 3;
+        if sampled.counter_after == hardware && sampled.levels_after == sampled.levels {
+            let present = phase(sampled.levels).wrapping_sub(hardware) & 3;
             if offset.is_some_and(|offset| present.wrapping_sub(offset) & 3 == 2) {
                 self.illegal_transitions = self.illegal_transitions.saturating_add(1);
             }
@@ -65,8 +66,8 @@ impl QuadratureCounter {
 }
 
 /// Quarter of the period of the channels, 0 to 3, rising with the count.
-fn phase(a: bool, b: bool) -> u16 {
-    match (a, b) {
+fn phase(levels: (bool, bool)) -> u16 {
+    match levels {
         (false, false) => 0,
         (true, false) => 1,
         (true, true) => 2,
@@ -85,9 +86,9 @@ mod tests {
 
     /// A counter that lacks `lost` counts, at rest.
     fn read(counter: &mut QuadratureCounter, position: i64, lost: i64) -> EncoderReading {
-        let (a, b) = channels(position);
+        let levels = channels(position);
         let hardware = (position - lost) as u16;
-        counter.read(&Sampled { counter: hardware, a, b, counter_after: hardware })
+        counter.read(&Sampled { counter: hardware, levels, levels_after: levels, counter_after: hardware })
     }
 
     #[test]
@@ -127,11 +128,28 @@ mod tests {
         read(&mut counter, 0, 0);
         // The channels are up to 5 counts ahead of the counter, which has caught up by the second reading of it.
         for (position, lag) in (0..100).zip([1, 2, 3, 4, 5].into_iter().cycle()) {
-            let (a, b) = channels(position);
-            let sampled = Sampled { counter: (position - lag) as u16, a, b, counter_after: position as u16 };
+            let levels = channels(position);
+            let sampled = Sampled {
+                counter: (position - lag) as u16,
+                levels,
+                levels_after: levels,
+                counter_after: position as u16,
+            };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
         }
         assert_eq!(read(&mut counter, 100, 0).illegal_transitions, 0);
+    }
+
+    #[test]
+    fn a_pulse_on_both_channels_that_is_over_by_the_second_look_is_not_compared() {
+        let mut counter = QuadratureCounter::default();
+        for position in [0, 1, 2, 3] {
+            read(&mut counter, position, 0);
+            let (levels_after, levels) = (channels(position), channels(position + 2));
+            let at = position as u16;
+            let sampled = Sampled { counter: at, levels, levels_after, counter_after: at };
+            assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
+        }
     }
 
     #[test]
@@ -139,12 +157,12 @@ mod tests {
         let mut counter = QuadratureCounter::default();
         read(&mut counter, 0, 0);
         for position in (10..1_000).step_by(10) {
-            let (a, b) = channels(position);
+            let levels = channels(position);
             let lost = 2;
             let sampled = Sampled {
                 counter: (position - lost - 3) as u16,
-                a,
-                b,
+                levels,
+                levels_after: levels,
                 counter_after: (position - lost) as u16,
             };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0);

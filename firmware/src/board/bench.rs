@@ -9,11 +9,11 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
 use super::device_clock::DeviceClock;
-use super::encoder::LARGEST_COUNTS_PER_S;
 use super::fitted::{Lines, LoadEncoder, MotorEncoder};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
+use crate::input_filter::FILTERS_NS;
 use crate::law::LawSet;
 use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
@@ -21,10 +21,10 @@ use crate::quadrature::LARGEST_MOVE_COUNTS;
 /// The power stage as the drive commands it.
 pub type Stage = Actuator<PwmStage<Lines>>;
 
-/// Limits of 16-bit encoder counters and their filter, and of a tick whose timer counts microseconds in 32 bits.
+/// Limits of 16-bit encoder counters and their filters, and of a tick whose timer counts microseconds in 32 bits.
 pub(super) const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: LARGEST_MOVE_COUNTS,
-    largest_counts_per_s: LARGEST_COUNTS_PER_S,
+    filters_ns: &FILTERS_NS,
     longest_period_us: u32::MAX,
 };
 
@@ -74,6 +74,9 @@ impl Tick {
             return;
         }
         self.restart(monitor);
+        let filter_ns = drive.encoder_filter_ns();
+        self.motor.set_filter(filter_ns);
+        self.load.set_filter(filter_ns);
         let since_due = Duration::from_micros(self.timer.now().ticks().into());
         let due = self.clock.now().saturating_sub(since_due);
         let readings =

@@ -65,8 +65,11 @@ impl<S: StageLines> PwmStage<S> {
 
     fn set_duty(&self, duty: f32) {
         let cycles = (duty * f32::from(PERIOD_CYCLES) + 0.5) as u16;
+        // Both take effect in the same period of the modulation: an update between the two would turn one half-bridge alone.
+        self.timer.cr1().modify(|_, w| w.udis().disabled());
         self.timer.ccr1().write(|w| w.ccr().set(cycles));
         self.timer.ccr2().write(|w| w.ccr().set(PERIOD_CYCLES - cycles));
+        self.timer.cr1().modify(|_, w| w.udis().enabled());
     }
 }
 

@@ -50,11 +50,14 @@ impl<L: LawSet> Drive<L> {
     }
 
     fn control(&self) -> Result<ControlLoop<L>, ParameterError> {
-        let bench_mode = self.parameters.bench_mode();
-        if let Some(parameters) = &bench_mode {
-            parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
-        }
-        ControlLoop::new(&self.parameters, bench_mode.and(self.pins.as_ref()).map(Pins::hardware))
+        let limits = match (self.parameters.bench_mode(), &self.pins) {
+            (Some(parameters), Some(pins)) => {
+                parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
+                Some(pins.hardware().limits(parameters.encoder_filter_ns)?)
+            }
+            _ => None,
+        };
+        ControlLoop::new(&self.parameters, limits.as_ref())
     }
 
     pub(super) fn start(&mut self, session: u32, now: Duration) -> Result<(), Refusal> {

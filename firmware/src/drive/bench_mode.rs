@@ -77,6 +77,13 @@ impl<L: LawSet> Drive<L> {
         self.lifecycle.run().and_then(Run::pins).map(PinRun::period)
     }
 
+    /// Length in ns of the pulses that the inputs of the encoders are to ignore, from the next [`Self::sample`] on.
+    #[must_use]
+    pub fn encoder_filter_ns(&self) -> u32 {
+        let of_run = self.lifecycle.run().and_then(Run::pins).map(|pins| pins.parameters().encoder_filter_ns);
+        of_run.or_else(|| Some(self.parameters.pins()?.encoder_filter_ns)).unwrap_or_default()
+    }
+
     /// What the power stage has to do.
     #[must_use]
     pub fn stage_command(&self) -> StageCommand {

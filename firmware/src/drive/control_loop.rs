@@ -8,7 +8,7 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::parameters::Parameters;
-use super::pins::PinHardware;
+use super::pins::PinLimits;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, ROUNDING, Signals};
 
@@ -35,10 +35,7 @@ impl<L: LawSet> ControlLoop<L> {
     ///
     /// # Errors
     /// If the parameters, each in its range, don't go together.
-    pub(super) fn new(
-        parameters: &Parameters<L>,
-        pins: Option<&PinHardware>,
-    ) -> Result<Self, ParameterError> {
+    pub(super) fn new(parameters: &Parameters<L>, pins: Option<&PinLimits>) -> Result<Self, ParameterError> {
         let drive = parameters.drive();
         let sensing = Sensing::new(sensing_config(&drive))?;
         let law = L::new(parameters.law(), parameters.words(), &drive)?;
@@ -47,10 +44,10 @@ impl<L: LawSet> ControlLoop<L> {
                 .map(|counts| TAU / (counts as f32 * drive.period_s()));
         let largest_move = match pins {
             None => LARGEST_MOVE_COUNTS,
-            Some(hardware) => {
-                let longest = hardware.longest_period_us as f32;
-                ParameterError::at_most("period_us", drive.period_us as f32, longest, "the timer")?;
-                f32::from(hardware.largest_move_counts) * (1.0 + ROUNDING)
+            Some(limits) => {
+                let longest_us = limits.longest_period_us;
+                ParameterError::at_most("period_us", drive.period_us as f32, longest_us, "the timer")?;
+                limits.largest_move_counts * (1.0 + ROUNDING)
             }
         };
         let mut longest_gap = LONGEST_GAP;
@@ -61,8 +58,8 @@ impl<L: LawSet> ControlLoop<L> {
             let fastest_rad_s = largest_move * rad_s_per_count;
             let given_by = "half the range of a reading over the control period";
             ParameterError::at_most(name, limit_rad_s, fastest_rad_s, given_by)?;
-            if let Some(hardware) = pins {
-                let counts = hardware.largest_counts_per_s as f32 * drive.period_s() * (1.0 + ROUNDING);
+            if let Some(limits) = pins {
+                let counts = limits.largest_counts_per_s * drive.period_s() * (1.0 + ROUNDING);
                 let given_by = "the filter of the encoder inputs";
                 ParameterError::at_most(name, limit_rad_s, counts * rad_s_per_count, given_by)?;
             }

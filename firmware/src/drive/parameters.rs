@@ -73,11 +73,14 @@ impl<L: LawSet> Parameters<L> {
         DriveParameters::read(&mut Words::new(self.words.as_ref(), &OF_DRIVE))
     }
 
+    /// The parameters of bench mode of a drive with pins.
+    pub(super) fn pins(&self) -> Option<PinParameters> {
+        Some(<PinParameters as ParameterGroup>::read(&mut Words::new(self.pins.as_ref()?, &OF_PINS)))
+    }
+
     /// The parameters of bench mode, if that mode is selected.
     pub(super) fn bench_mode(&self) -> Option<PinParameters> {
-        let parameters =
-            <PinParameters as ParameterGroup>::read(&mut Words::new(self.pins.as_ref()?, &OF_PINS));
-        (parameters.sample_source == SampleSource::Pins).then_some(parameters)
+        self.pins().filter(|parameters| parameters.sample_source == SampleSource::Pins)
     }
 
     /// The refusal of parameters that don't go together. For a name that the drive doesn't have it is that of `controller`.

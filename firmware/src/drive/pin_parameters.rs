@@ -37,6 +37,9 @@ crate::parameters! {
         duty_max: F32 = 0.9 in 0.0..=1.0, "";
         /// Largest plausible change of the twist since the start, at the motor. Beyond it an encoder is lost.
         twist_limit_rad: F32 = 10.0 in 1e-3..=1e5, "rad";
+        /// Pulses on a channel of an encoder up to this length are noise. No longer filter passes the default speed limit of the
+        /// motor.
+        encoder_filter_ns: U32 = 48 in 0..=3048, "ns";
     }
 }
 

@@ -19,8 +19,6 @@ const FIRST_TICK: Duration = Duration::from_millis(150);
 pub(super) struct PinRun {
     parameters: PinParameters,
     period: Duration,
-    /// A tick is missing if the next one is due later than this, or hasn't come until then: 1.5 periods.
-    missing_after: Duration,
     motor_rad: f32,
     /// One count of the load encoder in rad at the motor.
     load_rad: f32,
@@ -54,7 +52,6 @@ impl PinRun {
         Self {
             parameters,
             period,
-            missing_after: period + period / 2,
             motor_rad: TAU / drive.motor_counts_per_rev as f32,
             load_rad: TAU / drive.load_counts_per_rev as f32 * drive.reduction_ratio,
             started_at: now,
@@ -85,6 +82,11 @@ impl PinRun {
         self.period
     }
 
+    /// A tick is missing if the next one is due later than this, or hasn't come until then.
+    fn missing_after(&self) -> Duration {
+        self.period + self.period / 2
+    }
+
     /// Whether a `BenchSample` follows this step. To be called once per step: a sequence number wraps, and
     /// `bench_sample_every` need not divide its range.
     pub(super) fn is_reported(&mut self) -> bool {
@@ -109,7 +111,7 @@ impl PinRun {
             return Err(Violation { detail, ..Violation::of(FaultCode::PowerStage) });
         }
         let since = self.last_due.replace(due).map_or(Duration::ZERO, |last| due.saturating_sub(last));
-        in_time(since, self.missing_after)?;
+        in_time(since, self.missing_after())?;
         for (code, now, then) in [
             (FaultCode::MotorEncoderLost, readings.motor, self.first.motor),
             (FaultCode::LoadEncoderLost, readings.load, self.first.load),
@@ -161,14 +163,14 @@ impl PinRun {
     pub(super) fn check_silence(&self, now: Duration) -> Result<(), Violation> {
         let (since, limit) = match self.last_due {
             None => (self.started_at, FIRST_TICK),
-            Some(due) => (due, self.missing_after),
+            Some(due) => (due, self.missing_after()),
         };
         in_time(now.saturating_sub(since), limit)
     }
 
     /// The next tick has not come in time.
     pub(super) fn overdue(&self, now: Duration) -> Violation {
-        overrun(now.saturating_sub(self.last_due.unwrap_or(self.started_at)), self.missing_after)
+        overrun(now.saturating_sub(self.last_due.unwrap_or(self.started_at)), self.missing_after())
     }
 }
 

@@ -7,18 +7,52 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::Outcome;
 
 use super::refusal::Refusal;
-use crate::law::{DriveParameters, ROUNDING};
+use crate::input_filter::filter_for;
+use crate::law::{DriveParameters, ParameterError, ROUNDING};
 use crate::power_stage::PowerStageFault;
 
 /// Limits of the hardware of bench mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinHardware {
     /// Largest motion of an encoder in one period that its counter shows without ambiguity, in counts.
     pub largest_move_counts: u16,
-    /// Fastest motion of an encoder whose edges pass the filter of its inputs, in counts per second.
-    pub largest_counts_per_s: u32,
+    /// Lengths of the filters that the inputs of an encoder can have, in ns, ascending.
+    pub filters_ns: &'static [f32],
     /// Longest period of the tick, in us.
     pub longest_period_us: u32,
+}
+
+/// Limits of the hardware with the filter in force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PinLimits {
+    pub(super) largest_move_counts: f32,
+    /// Fastest motion of an encoder whose edges pass the filter, in counts per second: a level of a channel lasts two counts, and
+    /// down to 1.5 where the channels of an encoder are uneven.
+    pub(super) largest_counts_per_s: f32,
+    pub(super) longest_period_us: f32,
+}
+
+impl PinHardware {
+    /// The limits with the shortest filter that stops pulses of this length.
+    ///
+    /// # Errors
+    /// The inputs have no such filter.
+    pub(super) fn limits(&self, encoder_filter_ns: u32) -> Result<PinLimits, ParameterError> {
+        let at = filter_for(self.filters_ns, encoder_filter_ns);
+        let Some(filter_ns) = at.and_then(|at| self.filters_ns.get(at)) else {
+            return Err(ParameterError {
+                name: "encoder_filter_ns",
+                value: encoder_filter_ns as f32,
+                max: self.filters_ns.last().copied().unwrap_or_default(),
+                given_by: "the longest filter of the inputs",
+            });
+        };
+        Ok(PinLimits {
+            largest_move_counts: f32::from(self.largest_move_counts),
+            largest_counts_per_s: 1.5e9 / filter_ns,
+            longest_period_us: self.longest_period_us as f32,
+        })
+    }
 }
 
 /// The reading of one encoder.

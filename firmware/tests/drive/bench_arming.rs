@@ -132,11 +132,12 @@ fn hil_mode_arms_without_plausible_pins() {
 
 #[test]
 fn a_limit_at_the_end_of_the_hardware_but_for_rounding_is_accepted() {
-    // Half the range of a counter of 16 bits in 1 ms.
-    let fastest_rad_s = 32_767.0 / 131_072.0 * std::f64::consts::TAU / 1e-3;
+    // Half the range of a counter of 16 bits in 2 ms.
+    let fastest_rad_s = 32_767.0 / 131_072.0 * std::f64::consts::TAU / 2e-3;
     for (factor, want) in [(1.0 + 0.5e-6, Outcome::Accepted), (1.0 + 2e-6, Outcome::Inconsistent)] {
         let limit = ParameterValue::F32((fastest_rad_s * factor) as f32);
-        let mut host = PinHost::with(&[("motor_speed_limit_rad_s", limit)]);
+        let period = ("period_us", ParameterValue::U32(2_000));
+        let mut host = PinHost::with(&[period, ("motor_speed_limit_rad_s", limit)]);
         assert_eq!(host.arm().0, want, "{factor}");
     }
 }
@@ -144,12 +145,17 @@ fn a_limit_at_the_end_of_the_hardware_but_for_rounding_is_accepted() {
 #[test]
 fn what_the_hardware_cannot_do_is_inconsistent_by_name() {
     use ParameterValue::{F32, U32};
-    let cases: [(&str, &[(&str, ParameterValue)]); 6] = [
+    let cases: [(&str, &[(&str, ParameterValue)]); 7] = [
         ("period_us", &[("period_us", U32(65_536))]),
         // 32,767 counts of 131,072 in 2 ms are 785 rad/s.
         ("motor_speed_limit_rad_s", &[("period_us", U32(2000))]),
-        // 32,767 counts in 0.25 ms are 131 million in a second; the filter passes 41 million, 1965 rad/s.
-        ("motor_speed_limit_rad_s", &[("period_us", U32(250)), ("motor_speed_limit_rad_s", F32(2000.0))]),
+        // 32,767 counts in 0.25 ms are 131 million in a second; the default filter passes 31 million, 1510 rad/s.
+        ("motor_speed_limit_rad_s", &[("period_us", U32(250)), ("motor_speed_limit_rad_s", F32(1515.0))]),
+        // One of 143 ns passes 10.5 million, 503 rad/s.
+        (
+            "motor_speed_limit_rad_s",
+            &[("encoder_filter_ns", U32(143)), ("motor_speed_limit_rad_s", F32(505.0))],
+        ),
         ("torque_limit_nm", &[("torque_per_duty_nm", F32(200.0))]),
         ("duty_min", &[("duty_min", F32(0.6))]),
         ("duty_offset", &[("duty_max", F32(0.4))]),

@@ -98,7 +98,7 @@ impl Arguments {
             }
             ended => ended,
         };
-        let Printer { device, results, .. } = printer;
+        let Printer { device, results, bench_mode, .. } = printer;
         if let Some(path) = &self.junit {
             let interrupted = supervisor.interrupted().then(|| "interrupted".to_owned());
             let ended_by = ended.as_ref().err().map(ToString::to_string).or(interrupted);
@@ -121,6 +121,10 @@ impl Arguments {
                 return Err(error.into());
             }
             complain(format_args!("{error}"));
+        }
+        if bench_mode.is_some_and(|stage| stage.torque_per_duty_nm.is_none()) {
+            let cause = "bench mode had next to no torque; --torque-per-duty-nm lets mechanics move, and more be judged";
+            complain(format_args!("{cause}"));
         }
         if !self.json {
             outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");

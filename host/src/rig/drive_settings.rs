@@ -32,7 +32,7 @@ pub struct PinSetting {
 }
 
 /// Parameters that describe the pins.
-const OF_PINS: [&str; 7] = [
+const OF_PINS: [&str; 8] = [
     "torque_per_duty_nm",
     "torque_direction",
     "duty_offset",
@@ -40,6 +40,7 @@ const OF_PINS: [&str; 7] = [
     "duty_max",
     "motor_direction",
     "load_direction",
+    "encoder_filter_ns",
 ];
 
 impl Rig {
@@ -68,6 +69,7 @@ impl Rig {
             ("power_stage.duty_max", number(power_stage.duty_max)),
             ("encoders.motor_direction", direction(encoders.motor_direction)),
             ("encoders.load_direction", direction(encoders.load_direction)),
+            ("encoders.filter_ns", number(encoders.filter_ns.map(f64::from))),
         ];
         let setting = |(parameter, (key, value)): (_, (_, Option<_>))| {
             Some(PinSetting { key, parameter, value: value? })
@@ -241,7 +243,7 @@ mod tests {
         let text = RIG.replace(
             "[encoders]\n",
             "[power_stage]\ntorque_per_duty_nm = 62.5\nduty_offset = 0.5\nduty_min = 0.1\nduty_max = 0.9\n\
-             [encoders]\nload_direction = \"normal\"\n",
+             [encoders]\nload_direction = \"normal\"\nfilter_ns = 48\n",
         );
         Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"))
     }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use lashloop_conformance::{CheckResult, CheckStatus};
 use lashloop_firmware::drive::{Clock, Drive, PinHardware, PinReadings};
+use lashloop_firmware::input_filter::FILTERS_NS;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{Arm, CommandResult, EnterLoader, Reference};
@@ -15,7 +16,7 @@ use crate::laws::TestLaws;
 use crate::{BENCH_MODE, results};
 
 const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: 32_767, largest_counts_per_s: 41_000_000, longest_period_us: 65_535 };
+    PinHardware { largest_move_counts: 32_767, filters_ns: &FILTERS_NS, longest_period_us: 65_535 };
 /// Time between two looks of the drive at its pins and its watchdog.
 const TICK: Duration = Duration::from_millis(1);
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{FaultCode, ParameterValue, TorqueFlags};
 use lashloop_protocol::message::BenchSample;
-use lashloop_silicon::quadrature::Channel;
+use lashloop_silicon::quadrature::{Channel, Edge, Quadrature};
 use lashloop_silicon::wiring::Encoder;
 
 use crate::bench::image;
@@ -113,6 +113,52 @@ fn no_count_is_lost_up_to_the_default_speed_limit() {
         .collect();
     report::write("bench-encoders", &lines);
     assert!(lost.iter().all(|lost| *lost == (0, 0)), "{lost:?}");
+}
+
+/// Faults, and counts off, under pulses of this length: on one channel, on both of an encoder, and on all at once.
+fn faults_and_counts_under_pulses(length: Duration, filter_ns: u32) -> (usize, [i32; 2]) {
+    let limit = ParameterValue::F32(500.0);
+    let limits = [("motor_speed_limit_rad_s", limit), ("load_speed_limit_rad_s", limit)];
+    let mut host =
+        running_at((0, 0), &[&limits[..], &[("encoder_filter_ns", ParameterValue::U32(filter_ns))]].concat());
+    host.steps(5, 0.0);
+    let mut apart = [0, 0];
+    for channels in [&CHANNELS[..1], &CHANNELS[1..2], &CHANNELS[..2], &CHANNELS[2..], &CHANNELS[..]] {
+        // Each pulse begins 20 ns later in the step than the one before, through the reading of both encoders.
+        for at in 0..40 {
+            let reading = host.bench.act(|_, site| {
+                let [.., (at, ..), _] = site.log.readings[..] else { panic!("no reading") };
+                at
+            });
+            host.bench.advance_to(reading + MS - Duration::from_nanos(100) + Duration::from_nanos(20 * at));
+            for level in [true, false] {
+                host.bench.act(move |chip, site| {
+                    for (encoder, channel) in channels {
+                        let is_high = Quadrature::at(site.train.count(*encoder)).is_high(*channel) ^ level;
+                        chip.drive_encoder(*encoder, Edge { channel: *channel, is_high });
+                    }
+                });
+                host.bench.advance(length);
+            }
+            let sample = *host.steps(1, 0.0).last().expect("a sample");
+            let want = wrapping(wires(&mut host));
+            for (apart, off) in apart
+                .iter_mut()
+                .zip([sample.motor_counts.wrapping_sub(want.0), sample.load_counts.wrapping_sub(want.1)])
+            {
+                *apart = off.abs().max(*apart);
+            }
+        }
+    }
+    (host.faults().len(), apart)
+}
+
+#[test]
+fn a_pulse_that_the_filter_stops_costs_no_count_and_no_run() {
+    for (length_ns, filter_ns) in [(60, 95), (120, 143)] {
+        let seen = faults_and_counts_under_pulses(Duration::from_nanos(length_ns), filter_ns);
+        assert_eq!(seen, (0, [0, 0]), "{length_ns} ns behind a filter of {filter_ns} ns");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use lashloop_firmware::drive::{Clock, Drive, EncoderReading, PinHardware, PinReadings};
+use lashloop_firmware::input_filter::FILTERS_NS;
 use lashloop_firmware::law::LawSet;
 use lashloop_firmware::power_stage::StageCommand;
 use lashloop_link::in_process::{BOARD, Unread, next_tick};
@@ -19,11 +20,8 @@ use lashloop_protocol::EncoderCounts;
 use super::pin_plant::PinScales;
 
 /// Limits of the encoder counters: 16 bits and a filter, as on a board.
-const HARDWARE: PinHardware = PinHardware {
-    largest_move_counts: i16::MAX as u16,
-    largest_counts_per_s: 41_000_000,
-    longest_period_us: 100_000,
-};
+const HARDWARE: PinHardware =
+    PinHardware { largest_move_counts: i16::MAX as u16, filters_ns: &FILTERS_NS, longest_period_us: 100_000 };
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);
 

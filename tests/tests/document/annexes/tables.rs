@@ -34,20 +34,28 @@ pub fn of_drive(name: &str, old: &str) -> Option<String> {
             Columns { header, key: &[0, 2] }.filled(choices(), old)
         }
         "longest gap" => longest_gap_table(),
-        _ => return None,
+        _ => return of_bench_mode(name, old),
     };
     Some(table)
 }
 
-/// A part of the annex of bench mode.
+/// Parameters of bench mode that the contract doesn't ask for.
+const OWN: [&str; 1] = ["encoder_filter_ns"];
+
+/// A part of the annex of bench mode, or of that of the Lashloop drive.
 pub fn of_bench_mode(name: &str, old: &str) -> Option<String> {
     let header = &["name", "type", "default", "min", "max", "unit", "meaning"];
     let of = |it: &Parameter| {
         let [unit, ty, default, min, max] = description(it);
         vec![code(it.name), ty, default, min, max, unit]
     };
-    let rows = || PinParameters::TABLE.iter().map(of).collect();
-    (name == "bench parameters").then(|| Columns { header, key: &[0] }.filled(rows(), old))
+    let is_own = match name {
+        "bench parameters" => false,
+        "own bench parameters" => true,
+        _ => return None,
+    };
+    let table = PinParameters::TABLE.iter().filter(|it| OWN.contains(&it.name) == is_own);
+    Some(Columns { header, key: &[0] }.filled(table.map(of).collect(), old))
 }
 
 impl Columns {

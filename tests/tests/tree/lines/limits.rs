@@ -6,7 +6,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("benchmarks/plant", 300),
     ("examples/own-law", 150),
     ("examples/own-plant", 200),
-    ("firmware", 5_900),
+    ("firmware", 5_950),
     ("host", 1_600),
     ("host/bench", 11_110),
     ("host/campaign", 6_200),
