@@ -34,6 +34,8 @@ pub struct Tick {
     period: Duration,
     /// The next tick is overdue after this time: 1.5 periods.
     overdue_us: u32,
+    /// Pulses that the filters of the encoders are to stop.
+    filter_ns: u32,
     motor: MotorEncoder,
     load: LoadEncoder,
     clock: DeviceClock,
@@ -49,7 +51,8 @@ impl Tick {
     ) -> Self {
         timer.listen(Event::Update);
         let (motor, load) = encoders;
-        let mut tick = Self { timer, period: Duration::ZERO, overdue_us: u32::MAX, motor, load, clock };
+        let mut tick =
+            Self { timer, period: Duration::ZERO, overdue_us: u32::MAX, filter_ns: 0, motor, load, clock };
         tick.set_period(period);
         tick
     }
@@ -75,8 +78,11 @@ impl Tick {
         }
         self.restart(monitor);
         let filter_ns = drive.encoder_filter_ns();
-        self.motor.set_filter(filter_ns);
-        self.load.set_filter(filter_ns);
+        if filter_ns != self.filter_ns {
+            self.filter_ns = filter_ns;
+            self.motor.set_filter(filter_ns);
+            self.load.set_filter(filter_ns);
+        }
         let since_due = Duration::from_micros(self.timer.now().ticks().into());
         let due = self.clock.now().saturating_sub(since_due);
         let readings =

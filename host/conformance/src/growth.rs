@@ -215,7 +215,7 @@ fn lists() -> [List; 5] {
     ]
 }
 
-fn has_names(client: &mut Client) -> RuleResult {
+pub(super) fn has_names(client: &mut Client) -> RuleResult {
     use FaultCode::{LoadEncoderLost, MotorEncoderLost, PowerStage, TickOverrun};
 
     let has = |capability| client.identity.capabilities.contains(capability);

@@ -21,17 +21,17 @@ use super::words::Words;
 use Outcome::{Accepted, EncoderImplausible, Inconsistent, PowerStageFault, WrongSession, WrongState};
 use State::{Armed, Boot, Idle, Running};
 
-/// The parameters of bench mode after the first, with their types.
-const PARAMETERS: [(&str, ParameterType); 9] = [
-    ("bench_sample_every", ParameterType::U32),
-    ("motor_direction", ParameterType::U32),
-    ("load_direction", ParameterType::U32),
-    ("torque_direction", ParameterType::U32),
-    ("torque_per_duty_nm", ParameterType::F32),
-    ("duty_offset", ParameterType::F32),
-    ("duty_min", ParameterType::F32),
-    ("duty_max", ParameterType::F32),
-    ("twist_limit_rad", ParameterType::F32),
+/// The parameters of bench mode after the first, with their types and units.
+const PARAMETERS: [(&str, ParameterType, &str); 9] = [
+    ("bench_sample_every", ParameterType::U32, ""),
+    ("motor_direction", ParameterType::U32, ""),
+    ("load_direction", ParameterType::U32, ""),
+    ("torque_direction", ParameterType::U32, ""),
+    ("torque_per_duty_nm", ParameterType::F32, "N m"),
+    ("duty_offset", ParameterType::F32, ""),
+    ("duty_min", ParameterType::F32, ""),
+    ("duty_max", ParameterType::F32, ""),
+    ("twist_limit_rad", ParameterType::F32, "rad"),
 ];
 /// Choices of `sample_source`, and those of a direction, from 0.
 const SOURCES: [&str; 2] = ["link", "pins"];
@@ -71,11 +71,12 @@ fn parameters(client: &mut Client) -> RuleResult {
         let choices: Vec<_> = choices.iter().map(|choice| choice.name.as_str()).collect();
         equal(&format!("choices of {name}"), wanted.to_vec(), choices)?;
     }
-    for (name, ty) in PARAMETERS.into_iter().chain([(SAMPLE_SOURCE, ParameterType::U32)]) {
+    for (name, ty, unit) in PARAMETERS.into_iter().chain([(SAMPLE_SOURCE, ParameterType::U32, "")]) {
         let it = client.parameter(name)?;
         let is_of_all = it.laws.is_all(&client.description.laws);
-        let got = (it.default.ty(), it.live, is_of_all);
-        equal(&format!("{name}: type, whether live, whether of all laws"), (ty, false, true), got)?;
+        let got = (it.default.ty(), it.unit.as_str(), it.live, is_of_all);
+        let what = format!("{name}: type, unit, whether live, whether of all laws");
+        equal(&what, (ty, unit, false, true), got)?;
     }
     Ok(())
 }
@@ -133,6 +134,13 @@ fn arming(client: &mut Client) -> RuleResult {
     let it = arm(client)?;
     equal("Arm with a duty_min above duty_offset", Inconsistent, it.outcome)?;
     names_cause(client, it, &["duty_min", "duty_offset", "duty_max"])?;
+    // What was refused leaves nothing behind.
+    bench(client, [("duty_min", |it| it.default), ("duty_offset", |it| it.default)])?;
+    bench(client, [("duty_max", |it| it.default), ("torque_per_duty_nm", |it| it.max)])?;
+    let it = arm(client)?;
+    expect(it.outcome != Inconsistent, "Arm with the default duties after a refusal", it)?;
+    client.reset()?;
+    bench(client, [("duty_min", |it| it.max), ("duty_offset", |it| it.min)])?;
     // They count in bench mode only.
     client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
     client.exchange("in HIL mode", &[result(Arm { session }, Accepted, Armed)])?;

@@ -3,14 +3,17 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{EmergencyStop, EncoderSample, FaultReport, Reference, Reset, Stop};
-use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, WATCHDOG_US};
+use lashloop_protocol::message::{
+    ClearFault, EmergencyStop, EncoderSample, FaultReport, Reference, Reset, Stop,
+};
+use lashloop_protocol::parameter_names::{PERIOD_US, SAMPLE_SOURCE, WATCHDOG_US};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
 
 use super::super::answers::{hello, other, outcome, sample};
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::super::check::Check;
 use super::super::client::Client;
+use super::super::growth::has_names;
 use super::super::moment::Moment;
 use super::super::pins::{self, PINS};
 use super::super::range::nearest_whole;
@@ -21,6 +24,8 @@ use super::run::{Run, allowed, in_turn, is_report, report};
 
 use State::{Armed, Boot, Faulted, Idle, Running};
 
+/// Steps that a drive makes while a request is on its way.
+const LATEST_STEPS: u16 = 500;
 /// Reports that a drive may omit at the end of a run.
 const MOST_OMITTED: u16 = 5;
 /// The drive must latch the fault this long after the limit, in s.
@@ -51,7 +56,7 @@ fn refused_sample(client: &mut Client) -> RuleResult {
     let mut reports = run.reports(3, 0.5)?;
     // Each would be a fault in HIL mode.
     let far = EncoderCounts::MAX;
-    for (sequence, reference_rad) in [(0, f32::NAN), (reports.len() as u16, 0.0)] {
+    for (sequence, reference_rad) in [(0, f32::NAN), (reports.len() as u16, 0.0), (0x7123, 0.0)] {
         let sample = EncoderSample { sequence, motor_counts: far, load_counts: far, reference_rad };
         let answers = run.client.request(sample)?;
         reports.extend(answers.iter().filter_map(report));
@@ -62,7 +67,24 @@ fn refused_sample(client: &mut Client) -> RuleResult {
         reports.extend(run.reports(3, 0.5)?);
     }
     // No step more, and none less.
-    in_turn(&reports, run.timing().every)
+    let timing = run.timing();
+    in_turn(&reports, timing.every)?;
+    let last = reports.last().map_or(0, |it| it.sequence);
+    let reported = if timing.every == 1 { Some(last) } else { None };
+    let of_emergency = |run: &mut Run<'_>| {
+        let answers = run.client.request(EmergencyStop {})?;
+        answers.iter().find_map(fault_report).ok_or_else(|| broken("a FaultReport", answers.words()))
+    };
+    let it = of_emergency(&mut run)?;
+    let is_last = reported.is_none_or(|reported| it.sequence.wrapping_sub(reported) <= LATEST_STEPS);
+    expect(is_last, format!("a step soon after {last}"), it)?;
+    // Of a run without a step, after one with some.
+    client.reset()?;
+    let mut run = Run::start_at(client, timing, &[])?;
+    run.reports(3, 0.5)?;
+    run.client.request(Stop {})?;
+    let it = of_emergency(&mut Run::again(run.client, timing)?)?;
+    equal("step of a fault before the first Reference", 0, it.sequence)
 }
 
 /// What feeds no watchdog in HIL mode doesn't here, and no sample does.
@@ -112,8 +134,21 @@ fn watchdog(client: &mut Client) -> RuleResult {
     let watchdog_us = nearest_whole(client.parameter(WATCHDOG_US)?, 300_000)?;
     let watchdog = Duration::from_micros(watchdog_us.into());
     let settings = [(WATCHDOG_US, ParameterValue::U32(watchdog_us))];
-    // From the start on, before any reference.
-    let trip = fault_within(&mut Run::start(client, &settings)?, PATIENCE, false)?;
+    // From the start on, before any reference, and in time, not in periods.
+    let period_us = nearest_whole(client.parameter(PERIOD_US)?, client.identity.period_us / 2)?;
+    let quicker = [settings[0], (PERIOD_US, ParameterValue::U32(period_us))];
+    let mut run = Run::start(client, &quicker)?;
+    // It doesn't run before.
+    run.client.request(Stop {})?;
+    if pins::arm(run.client)?.outcome == Outcome::Accepted {
+        run.listen(watchdog + watchdog / 4)?;
+        equal("state after a wait in Armed", Armed, run.client.state)?;
+        run.client.start()?;
+    } else {
+        client.reset()?;
+        run = Run::start(client, &quicker)?;
+    }
+    let trip = fault_within(&mut run, PATIENCE, false)?;
     judge_trip(trip, watchdog_us, Some(0))?;
     no_torque(client, 0, Faulted)?;
     client.reset()?;
@@ -166,6 +201,7 @@ fn ends(client: &mut Client) -> RuleResult {
     for (end, state) in ends {
         client.reset()?;
         let mut run = Run::start(client, &[])?;
+        let timing = run.timing();
         run.reports(5, 0.5)?;
         // One of another version ends nothing.
         run.client.request(other(session))?;
@@ -176,6 +212,7 @@ fn ends(client: &mut Client) -> RuleResult {
             let last = answers.iter().filter_map(report).next_back().or(last);
             let reported = last.filter(|_| every == 1).map_or(it.sequence, |last| last.sequence);
             expect(is_next(reported, it.sequence), format!("the last step, after {reported}"), it)?;
+            equal("value and limit of an EmergencyStop", (0.0, 0.0), (it.value, it.limit))?;
         }
         let after = answers.iter().skip_while(|it| is_report(it)).find(|it| is_report(it));
         equal(&format!("a report behind the answer to {}:", end.words()), None, after.copied())?;
@@ -188,8 +225,18 @@ fn ends(client: &mut Client) -> RuleResult {
             later.into_iter().filter(|it| !matches!(it, DriveMessage::Log(_))).collect(),
         )?;
         pins::refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, state)?;
+        if state == Idle {
+            no_torque(client, 1, Idle)?;
+        }
+        if state == Faulted {
+            // The run after a fault needs no `Reset`.
+            client.request(ClearFault {})?;
+            in_turn(&Run::again(client, timing)?.reports(3, 0.5)?, timing.every)?;
+        }
     }
-    Ok(())
+    // A run has sent kinds that no run of HIL mode has.
+    client.reset()?;
+    has_names(client)
 }
 
 /// Runs on the pins and on samples in turn, without a reset between them.

@@ -3,9 +3,10 @@
 use std::f32::consts::TAU;
 use std::time::Duration;
 
+use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{BenchSample, FaultReport, Stop, Subscribe};
-use lashloop_protocol::{DriveMessage, EncoderCounts};
+use lashloop_protocol::message::{Arm, BenchSample, EmergencyStop, FaultReport, Stop, Subscribe};
+use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
 
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::Check;
@@ -19,10 +20,14 @@ use super::super::telemetry::subscription::signals;
 use super::super::words::Words;
 use super::run::{Run, TWIST_LIMIT_RAD, Timing, allowed};
 
+/// The ratio of the twist, if the drive has it as a parameter.
+const REDUCTION_RATIO: &str = "reduction_ratio";
 /// Most steps between two reports, so that the report of the fault is not due otherwise.
 const SELDOM: u32 = 1_000;
 /// Time in which nothing follows a fault.
 const SILENT: Duration = Duration::from_millis(130);
+/// A limit of the twist, in rad.
+const TWIST_RAD: f32 = 0.02;
 /// Steps of a motion, and the fewest counts in a period of a fast one.
 const MOVING: usize = 150;
 const FAST: f32 = 12.0;
@@ -105,11 +110,19 @@ fn most_counts(reports: &[BenchSample], encoder: Encoder) -> f32 {
     moves.max().unwrap_or(0) as f32
 }
 
-/// A limit of half the speed of a run, and of less than the fastest motion since power-up or `Reset`.
+/// A limit of half the speed of a run, and of less than the fastest motion since power-up or `Reset`, in either direction.
 fn half_as_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
+    for reference_rad in [1.0, -1.0] {
+        client.reset()?;
+        half_of_a_run(client, encoder, reference_rad)?;
+    }
+    Ok(())
+}
+
+fn half_of_a_run(client: &mut Client, encoder: Encoder, reference_rad: f32) -> RuleResult {
     let name = encoder.speed_limit;
     let timing = Timing::of_every(client, &[], 1)?;
-    let reports = Run::start_at(client, timing, &[])?.reports(MOVING, 1.0)?;
+    let reports = Run::start_at(client, timing, &[])?.reports(MOVING, reference_rad)?;
     let fastest = most_counts(&reports, encoder);
     let half = nearest_real(client.parameter(name)?, fastest / 2.0 * rad_s_per_count(client, encoder))?;
     if fastest < FAST || half > 0.75 * fastest * rad_s_per_count(client, encoder) {
@@ -121,8 +134,33 @@ fn half_as_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
     let wanted = (Outcome::EncoderImplausible, encoder.index as u32 + 2);
     let what = format!("Arm with {name} {half} after {fastest} counts in a period: outcome and detail");
     equal(&what, wanted, (it.outcome, it.detail))?;
+    // The duties come first, and in HIL mode the pins don't count.
+    let offset = client.parameter("duty_offset")?.default;
+    let [least, most] = [client.parameter("duty_offset")?.min, client.parameter("duty_min")?.default];
+    if least != most {
+        client.put("duty_offset", least)?;
+        equal("Arm with inconsistent duties too", Outcome::Inconsistent, pins::arm(client)?.outcome)?;
+        client.put("duty_offset", offset)?;
+    }
+    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+    client.exchange(
+        "in HIL mode",
+        &[result(Arm { session: client.session }, Outcome::Accepted, State::Armed)],
+    )?;
     client.reset()?;
-    expect(!exceeds_unnoticed(client, encoder, half)?, format!("a FaultReport above {half} rad/s"), "none")
+    expect(!exceeds_unnoticed(client, encoder, half)?, format!("a FaultReport above {half} rad/s"), "none")?;
+    // What `Reset` forgets no longer counts, once the mechanics rest.
+    client.reset()?;
+    let reports = Run::start_at(client, timing, &[])?.reports(2, 0.0)?;
+    if 4.0 * most_counts(&reports, encoder) > fastest {
+        return Ok(());
+    }
+    client.reset()?;
+    client.idle()?;
+    pins::widest_duties(client)?;
+    client.put(name, ParameterValue::F32(half))?;
+    let it = pins::arm(client)?;
+    expect(it.outcome != Outcome::EncoderImplausible, "Arm after Reset, with mechanics at rest", it)
 }
 
 /// As the identity has it: the parameter may be of either type.
@@ -133,28 +171,64 @@ fn counts_per_rev(client: &Client, encoder: Encoder) -> f32 {
 
 fn twisted(client: &mut Client) -> RuleResult {
     let (reports, fault) = at_least(client, TWIST_LIMIT_RAD, SELDOM)?;
-    let Some(it) = fault else {
-        return skip("the mechanics at the pins don't exceed the smallest limit");
-    };
-    let code = match standing_still(&reports) {
-        Some(code) => code,
-        None if it.code == FaultCode::MotorEncoderLost => it.code,
-        None => FaultCode::LoadEncoderLost,
-    };
-    equal("code and detail", (code, 0), (it.code, it.detail))?;
-    exceeds(client, TWIST_LIMIT_RAD, it)?;
-    ended_by(client, &reports, it)
+    if let Some(it) = fault {
+        exceeds(client, TWIST_LIMIT_RAD, it)?;
+        ended_by(client, &reports, it)?;
+    }
+    let mut is_judged = false;
+    for reference_rad in [1.0, -1.0] {
+        client.reset()?;
+        is_judged |= twisted_as_reported(client, reference_rad)?;
+    }
+    if is_judged { Ok(()) } else { skip("the mechanics at the pins don't exceed the smallest limit") }
 }
 
-/// The fault of the encoder that has not moved since the first step while the other one has.
-fn standing_still(reports: &[BenchSample]) -> Option<FaultCode> {
-    let (first, last) = reports.first().zip(reports.last())?;
-    let moved = |from: EncoderCounts, to: EncoderCounts| from != to;
-    match (moved(first.motor_counts, last.motor_counts), moved(first.load_counts, last.load_counts)) {
-        (true, false) => Some(FaultCode::LoadEncoderLost),
-        (false, true) => Some(FaultCode::MotorEncoderLost),
-        _ => None,
+/// Compares the faults of a run with the twist of its reports. Returns whether the twist exceeded its limit.
+fn twisted_as_reported(client: &mut Client, reference_rad: f32) -> Result<bool, Failure> {
+    let limit_rad = nearest_real(client.parameter(TWIST_LIMIT_RAD)?, TWIST_RAD)?;
+    // Without such a parameter a load that stands still has no part in the twist.
+    let ratio = client.real(REDUCTION_RATIO).ok();
+    let rad = [Encoder::MOTOR, Encoder::LOAD].map(|encoder| TAU / counts_per_rev(client, encoder));
+    let timing = Timing::of_every(client, &[], 1)?;
+    let settings = [(TWIST_LIMIT_RAD, ParameterValue::F32(limit_rad))];
+    let (reports, fault) = Run::start_at(client, timing, &settings)?.until_fault(reference_rad)?;
+    let Some(first) = reports.first() else { return Ok(false) };
+    let moved = |it: &BenchSample| {
+        let counts = [
+            it.motor_counts.wrapping_sub(first.motor_counts),
+            it.load_counts.wrapping_sub(first.load_counts),
+        ];
+        match ratio {
+            Some(ratio) => Some([counts[0] as f32 * rad[0], counts[1] as f32 * rad[1] * ratio]),
+            None => (counts[1] == 0).then_some([counts[0] as f32 * rad[0], 0.0]),
+        }
+    };
+    let twist_rad = |it: &BenchSample| moved(it).map_or(0.0, |[motor, load]| (motor - load).abs());
+    let Some(it) = fault else {
+        let most_rad = reports.iter().map(twist_rad).fold(0.0, f32::max);
+        expect(
+            most_rad <= 1.1 * limit_rad,
+            format!("a FaultReport, with a twist of {most_rad} rad"),
+            "none",
+        )?;
+        return Ok(false);
+    };
+    exceeds_by(limit_rad, it)?;
+    if let Some(last) = reports.last()
+        && let Some([motor, load]) = moved(last)
+    {
+        let code = match (motor.abs(), load.abs()) {
+            (motor, load) if 2.0 * motor < load => FaultCode::MotorEncoderLost,
+            (motor, load) if 2.0 * load < motor => FaultCode::LoadEncoderLost,
+            _ => it.code,
+        };
+        equal("code and detail", (code, 0), (it.code, it.detail))?;
+        let twist_rad = twist_rad(last);
+        let is_that = (it.value - twist_rad).abs() <= 1e-3 * twist_rad + 2.0 * rad[0];
+        expect(is_that, format!("a value of {twist_rad} rad, the change of the twist"), it)?;
     }
+    ended_by(client, &reports, it)?;
+    Ok(true)
 }
 
 fn not_finite(client: &mut Client) -> RuleResult {
@@ -182,8 +256,14 @@ fn not_finite(client: &mut Client) -> RuleResult {
 
 /// Requires the value of a fault to exceed its limit, which is the smallest one of this parameter.
 fn exceeds(client: &Client, limit: &str, it: FaultReport) -> RuleResult {
-    let least = client.parameter(limit)?.min;
-    equal(&format!("limit of the FaultReport, {limit},"), least, ParameterValue::F32(it.limit))?;
+    match client.parameter(limit)?.min {
+        ParameterValue::F32(least) => exceeds_by(least, it),
+        _ => Ok(()),
+    }
+}
+
+fn exceeds_by(limit: f32, it: FaultReport) -> RuleResult {
+    equal("limit of the FaultReport", limit, it.limit)?;
     expect(it.value.is_finite() && it.value >= it.limit, "a value above the limit", it)
 }
 
@@ -201,5 +281,7 @@ fn ended_by(client: &mut Client, reports: &[BenchSample], it: FaultReport) -> Ru
         client.wait_for(SILENT, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
     equal("messages after the FaultReport:", None, later)?;
     no_torque(client, it.sequence, State::Faulted)?;
+    // A later one replaces nothing.
+    client.request(EmergencyStop {})?;
     still_reported(client, it)
 }

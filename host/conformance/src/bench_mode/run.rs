@@ -4,16 +4,18 @@ use std::time::Duration;
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{BenchSample, FaultReport, Reference, Subscribe};
-use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_SOURCE};
+use lashloop_protocol::message::{BenchSample, FaultReport, Reference, Start, Subscribe};
+use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_SOURCE, TORQUE_LIMIT_NM};
+use lashloop_protocol::wire::Payload;
 
+use super::super::answers::command_result;
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::exchanges::result;
 use super::super::moment::Moment;
 use super::super::pins::{self, PINS, UNREAD, has};
-use super::super::range::nearest_whole;
+use super::super::range::{nearest_real, nearest_whole};
 use super::super::safety::fault_report;
 use super::super::words::Words;
 
@@ -34,8 +36,9 @@ const LATEST: Duration = Duration::from_secs(1);
 /// Time with references before a fault, and starts that wait for the mechanics, at most.
 const FAULT_LIMIT: Duration = Duration::from_millis(500);
 const MOST_WAITS: u32 = 100;
-/// The second one after it is smaller.
-const FIRST_NUMBER: u16 = 0x9234;
+/// From one number to the next; the second one is 0.
+const NUMBER_STEP: u16 = 0x3b1d;
+const FIRST_NUMBER: u16 = 0_u16.wrapping_sub(2 * NUMBER_STEP);
 const NO_RUN: &str = "the pins of the drive allow no run";
 
 /// A check that a drive without bench mode, and a host that doesn't allow it, leave out.
@@ -127,6 +130,33 @@ fn shortest_exchange(client: &mut Client) -> Result<(Duration, Duration), Failur
     Ok((before.elapsed(client) / EXCHANGES, passed / EXCHANGES))
 }
 
+/// Starts, unless what still moves has exceeded a limit since `Arm`.
+fn has_started(client: &mut Client) -> Result<bool, Failure> {
+    let session = client.session;
+    let answers = client.request(Start { session })?;
+    let it = command_result(&Start::LAYOUT, &answers)?;
+    if it.outcome == Outcome::EncoderImplausible {
+        return Ok(false);
+    }
+    let got = (it.outcome, client.state);
+    equal("Start in bench mode: outcome and state", (Outcome::Accepted, State::Running), got)?;
+    Ok(true)
+}
+
+/// In `Idle`, a torque limit that has a duty at the known scale.
+pub(super) fn limit_torque(client: &mut Client) -> RuleResult {
+    let Some(scale_nm) = client.bench_mode.and_then(|it| it.torque_per_duty_nm) else { return Ok(()) };
+    let [min, offset, max] = ["duty_min", "duty_offset", "duty_max"].map(|name| client.real(name));
+    let (min, offset, max) = (min?, offset?, max?);
+    let most_nm = 0.99 * scale_nm * (offset - min).min(max - offset);
+    let limit_nm = client.real(TORQUE_LIMIT_NM)?;
+    if limit_nm > most_nm {
+        let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, most_nm)?;
+        client.put(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))?;
+    }
+    Ok(())
+}
+
 /// The control period of a run with these settings.
 fn period(client: &Client, settings: &[Setting]) -> Duration {
     let set = settings.iter().find_map(|(name, value)| match value {
@@ -165,6 +195,7 @@ impl<'client> Run<'client> {
                 [TORQUE_PER_DUTY_NM, TWIST_LIMIT_RAD].map(|name| client.parameter(name).map(|it| it.max));
             let known_nm = client.bench_mode.and_then(|it| it.torque_per_duty_nm);
             client.put(TORQUE_PER_DUTY_NM, known_nm.map_or(scale?, ParameterValue::F32))?;
+            limit_torque(client)?;
             client.put(TWIST_LIMIT_RAD, twist?)?;
             client.put_all(&[
                 (SAMPLE_SOURCE, PINS),
@@ -177,8 +208,9 @@ impl<'client> Run<'client> {
             let it = pins::arm(client)?;
             match it.outcome {
                 Outcome::Accepted => {
-                    client.start()?;
-                    return Ok(Self { client, number: FIRST_NUMBER, timing });
+                    if has_started(client)? {
+                        return Ok(Self { client, number: FIRST_NUMBER, timing });
+                    }
                 }
                 Outcome::EncoderImplausible => {}
                 Outcome::Inconsistent if settings.is_empty() => {
@@ -223,7 +255,7 @@ impl<'client> Run<'client> {
 
     /// Sends a reference and returns what came before the drive had taken it.
     pub(super) fn refer(&mut self, reference_rad: f32) -> Result<Vec<DriveMessage>, Failure> {
-        self.number = self.number.wrapping_add(0x3b1d);
+        self.number = self.number.wrapping_add(NUMBER_STEP);
         self.refer_again(reference_rad)
     }
 

@@ -8,7 +8,7 @@ use lashloop_protocol::message::{BenchSample, Reference, Stop, Subscribe};
 use lashloop_protocol::parameter_names::{PERIOD_US, TORQUE_LIMIT_NM};
 use lashloop_protocol::wire::Payload;
 
-use super::super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::super::check::Check;
 use super::super::client::Client;
 use super::super::moment::Moment;
@@ -60,6 +60,7 @@ pub(super) fn checks() -> Vec<Check> {
             "a Reference that is too short is refused, and a longer one taken",
             bodies,
         ),
+        allowed("R4.15 R18.9", "references count as messages of the line, and reports don't", line_counts),
         allowed("R18.7", "every n-th step is reported, the first included", every),
         allowed("R18.7", "telemetry follows every n-th step, after its report", telemetry),
     ]
@@ -116,15 +117,39 @@ fn steps(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
+/// Two runs that differ by some references, each with the request that shows its arrival.
+fn line_counts(client: &mut Client) -> RuleResult {
+    let mut counts = Vec::new();
+    for references in [2, 12] {
+        client.reset()?;
+        let mut run = Run::start(client, &[])?;
+        for _ in 0..references {
+            run.refer(0.5)?;
+        }
+        let answers = run.client.request(Stop {})?;
+        let count = answers.iter().find_map(|it| match it {
+            DriveMessage::LineReport(it) => Some([it.messages, it.damaged, it.refused, it.overruns]),
+            _ => None,
+        });
+        counts.push(count.ok_or_else(|| broken("a LineReport after Stop", answers.words()))?);
+    }
+    let more: Vec<_> =
+        counts[1].iter().zip(counts[0]).map(|(after, before)| after.wrapping_sub(before)).collect();
+    equal("messages, damaged, refused and overruns of ten references more", vec![20, 0, 0, 0], more)?;
+    equal("overruns of a run in bench mode", 0, counts[0][3])
+}
+
 fn bodies(client: &mut Client) -> RuleResult {
     let mut run = Run::start(client, &[])?;
     run.reports(1, 0.5)?;
     let body = |number: u16| [&[Reference::LAYOUT.kind][..], &number.to_le_bytes(), &[0; 4]].concat();
-    let (short, long) = (run.number ^ 0x0100, run.number ^ 0x0200);
+    let (short, long, second) = (run.number ^ 0x0100, run.number ^ 0x0200, run.number ^ 0x0400);
+    let at_once = [run.number ^ 0x0300, second].map(|number| framed(&body(number))).concat();
     let shorter = (1..7).flat_map(|length| framed(&body(short)[..length])).collect::<Vec<_>>();
     for (what, bytes, wanted) in [
         ("too short a Reference", shorter, run.number),
         ("a longer Reference", framed(&[body(long), vec![9; 3]].concat()), long),
+        ("two References at once", at_once, second),
     ] {
         run.client.request_bytes(&bytes)?;
         run.listen(run.pause())?;
@@ -156,6 +181,9 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
         }
         reports.extend(run.turn()?.iter().filter_map(report));
     }
+    let lateness: Vec<_> = reports.iter().map(|it| it.lateness_tenths_us).collect();
+    let is_largest_so_far = lateness.is_sorted() && lateness.chunk_by(|one, next| one == next).count() > 4;
+    expect(!is_largest_so_far, "the lateness of each step, not the largest so far", lateness.len())?;
     // A drive may omit reports that its transmit buffer can't hold, which the line has room for.
     let due = reports.last().map_or(0, |it| it.sequence / run.timing().every);
     let expected = format!("most of {due} reports");
@@ -190,8 +218,8 @@ fn every(client: &mut Client) -> RuleResult {
 fn telemetry(client: &mut Client) -> RuleResult {
     let signals = signals(client)?;
     let fitted = Timing::fitted(client, &[])?;
-    // Of every second report, and twice as often as reports.
-    for (steps, every) in [(1, 2), (2, 1)] {
+    // Of every fifth report, and twice as often as reports.
+    for (steps, every) in [(1, 5), (2, 1)] {
         client.reset()?;
         let every = every * fitted.every;
         let timing = Timing::of_every(client, &[], steps * u32::from(fitted.every))?;
@@ -214,6 +242,15 @@ fn telemetry(client: &mut Client) -> RuleResult {
         }
         let wanted: Vec<_> = (0..numbers.len() as u16).map(|place| every * place).collect();
         equal(&format!("steps with telemetry, of every {every}:"), wanted, numbers)?;
+        // The next run begins anew.
+        run.client.request(Stop {})?;
+        run = Run::again(run.client, timing)?;
+        let (messages, _) = run.until(2, |it| matches!(it, DriveMessage::Telemetry(_)), |_| 0.5)?;
+        let numbers = messages.iter().filter_map(|it| match it {
+            DriveMessage::Telemetry(it) => Some(it.sequence),
+            _ => None,
+        });
+        equal("steps with telemetry in the next run", vec![0, every], numbers.take(2).collect())?;
         run.client.request(Subscribe { signals: 0, every: 0 })?;
         let later = run.listen(run.pause())?;
         let later = later.into_iter().find(|it| matches!(it, DriveMessage::Telemetry(_)));

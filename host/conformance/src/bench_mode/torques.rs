@@ -3,11 +3,13 @@
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{BenchSample, EncoderSample, SetParameter, Subscribe, Telemetry};
+use lashloop_protocol::message::{
+    BenchSample, DescribeParameter, EncoderSample, GetParameter, SetParameter, Subscribe, Telemetry,
+};
 use lashloop_protocol::parameter_names::{CONTROLLER, PERIOD_US, TORQUE_LIMIT_NM};
 
 use super::super::answers::{report as find_report, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
 use super::super::check::Check;
 use super::super::client::Client;
 use super::super::exchanges::result;
@@ -15,7 +17,7 @@ use super::super::parameters::another;
 use super::super::range::nearest_real;
 use super::super::telemetry::subscription::law_signals;
 use super::super::words::{Bits, Words};
-use super::run::{Run, Setting, Timing, allowed, in_turn, is_report, report};
+use super::run::{Run, Setting, Timing, allowed, in_turn, is_report, limit_torque, report};
 
 /// Directions of encoders and power stage.
 const MIRRORED: [&str; 3] = ["motor_direction", "load_direction", "torque_direction"];
@@ -26,6 +28,8 @@ const BEFORE: usize = 20;
 const EVERY: u16 = 10;
 /// A reference that is far from all others, in rad.
 const FAR_RAD: f32 = -3.0;
+/// A reference that no other one is equal to, near enough for no fault.
+const OTHER_RAD: f32 = -0.3;
 /// Steps by which a live value may be in force later than from the one after the last report: one step may be on its way, and the
 /// report of another one.
 const LATEST_CHANGE: u16 = 2;
@@ -40,23 +44,28 @@ pub(super) fn checks() -> Vec<Check> {
             same_torques,
         ),
         allowed("R18.1", "every law gives the torques and telemetry of HIL mode", every_law),
+        allowed(
+            "R18.1 R18.7",
+            "a Reference with the number of the one before counts, as its value does in HIL mode",
+            same_number,
+        ),
         allowed("R9.5 R18.1", "a live value counts from the next step, as in HIL mode", live_value),
     ]
 }
 
 fn same_torques(client: &mut Client) -> RuleResult {
     let law = client.default_law();
-    let largest_nm = Conditions { law, settings: &[], live: None }.compare(client)?;
+    let largest_nm = Conditions { law, settings: &[], change: None }.compare(client)?;
     if largest_nm != 0.0 {
         client.reset()?;
         let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, largest_nm / 2.0)?;
         let settings = &[(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))];
-        Conditions { law, settings, live: None }.compare(client)?;
+        Conditions { law, settings, change: None }.compare(client)?;
     }
     client.reset()?;
     // Both encoders and the power stage: the same machine, seen from the other end.
     let settings = &MIRRORED.map(|name| (name, ParameterValue::U32(1)));
-    Conditions { law, settings, live: None }.compare(client).map(drop)
+    Conditions { law, settings, change: None }.compare(client).map(drop)
 }
 
 fn every_law(client: &mut Client) -> RuleResult {
@@ -66,7 +75,7 @@ fn every_law(client: &mut Client) -> RuleResult {
     for law in client.description.laws.clone() {
         client.reset()?;
         let settings = &[(CONTROLLER, ParameterValue::U32(law.index.into()))];
-        Conditions { law: law.index, settings, live: None }.compare(client)?;
+        Conditions { law: law.index, settings, change: None }.compare(client)?;
     }
     Ok(())
 }
@@ -78,30 +87,37 @@ fn live_value(client: &mut Client) -> RuleResult {
     let live: Vec<_> = live.map(|it| SetParameter { index: it.index, value: another(it) }).collect();
     for live in live.into_iter().take(MOST_LIVE) {
         client.reset()?;
-        let it = Conditions { law, settings: &[], live: Some(live) };
-        let (pins, changed) = it.run_on_pins(client)?;
-        let without = it.run_on_link(client, &pins.samples, None)?;
-        let mut with = it.run_on_link(client, &pins.samples, changed)?;
-        if with.torques == without.torques {
-            continue;
+        let it = Conditions { law, settings: &[], change: Some(Change::Live(live)) };
+        if it.compare_change(client)? {
+            return Ok(());
         }
-        for later in 1..=LATEST_CHANGE {
-            if with.torques == pins.torques {
-                break;
-            }
-            with = it.run_on_link(client, &pins.samples, changed.map(|it| it.wrapping_add(later)))?;
-        }
-        return same(&pins, &with);
     }
     skip("the law in force has no live parameter that changes its torques")
+}
+
+fn same_number(client: &mut Client) -> RuleResult {
+    let change = Some(Change::Reference(OTHER_RAD));
+    if (Conditions { law: client.default_law(), settings: &[], change }).compare_change(client)? {
+        return Ok(());
+    }
+    skip("the law in force has the same torques at another reference")
 }
 
 /// What a run in bench mode and its repetition in HIL mode have in common.
 struct Conditions<'a> {
     law: u8,
     settings: &'a [Setting],
-    /// A value that is set after some steps.
-    live: Option<SetParameter>,
+    /// What changes after some steps.
+    change: Option<Change>,
+}
+
+/// A change during a run.
+#[derive(Clone, Copy)]
+enum Change {
+    /// A value that is set.
+    Live(SetParameter),
+    /// Another reference under the number of the one before.
+    Reference(f32),
 }
 
 /// The steps of a run.
@@ -134,12 +150,31 @@ impl Conditions<'_> {
         Ok(sizes.fold(0.0, f32::max))
     }
 
+    /// Requires the torques of HIL mode with this change. Returns whether it changes them there.
+    fn compare_change(&self, client: &mut Client) -> Result<bool, Failure> {
+        let (pins, changed) = self.run_on_pins(client)?;
+        let without = self.run_on_link(client, &pins.samples, None)?;
+        let mut with = self.run_on_link(client, &pins.samples, changed)?;
+        if with.torques == without.torques {
+            return Ok(false);
+        }
+        for later in 1..=LATEST_CHANGE {
+            if with.torques == pins.torques {
+                break;
+            }
+            with = self.run_on_link(client, &pins.samples, changed.map(|it| it.wrapping_add(later)))?;
+        }
+        same(&pins, &with)?;
+        Ok(true)
+    }
+
     /// Counts, references, torques and telemetry of steps, and the step from which the live value may be in force.
     fn run_on_pins(&self, client: &mut Client) -> Result<(Steps, Option<u16>), Failure> {
         let timing = Timing::of_each(client, self.settings)?;
         let subscription = self.subscription(client);
         let mut run = Run::start_with(client, timing, self.settings, subscription)?;
-        let reference_rad = |turn: u16| 0.25 * f32::from(turn % 5);
+        // With all bits of its fraction.
+        let reference_rad = |turn: u16| 0.251_234_57 * f32::from(turn % 5);
         let (mut messages, mut sent) = run.until(BEFORE, is_report, reference_rad)?;
         let zero = Default::default();
         let refused =
@@ -152,8 +187,27 @@ impl Conditions<'_> {
         let it = find_report(fixed.index, &answers)?;
         equal("SetParameter period_us in Running", Outcome::WrongState, it.outcome)?;
         messages.extend(answers);
+        for name in MIRRORED.iter().filter(|_| self.settings.is_empty() && self.change.is_none()) {
+            let it = run.client.parameter(name)?;
+            let (index, get) = (it.index, GetParameter { index: it.index });
+            let request = SetParameter { index, value: another(it) };
+            let described = run.client.request(DescribeParameter { index })?;
+            let is_described = |it: &DriveMessage| matches!(it, DriveMessage::ParameterDescription(_));
+            expect(
+                described.iter().any(is_described),
+                "a ParameterDescription in Running",
+                described.words(),
+            )?;
+            messages.extend(described);
+            for answers in [run.client.request(request)?, run.client.request(get)?] {
+                let it = find_report(index, &answers)?;
+                let what = format!("{name} in force, refused in Running");
+                equal(&what, ParameterValue::U32(0), it.value)?;
+                messages.extend(answers);
+            }
+        }
         messages.extend(run.turn()?);
-        if let Some(live) = self.live {
+        if let Some(Change::Live(live)) = self.change {
             let is_answer = |it: &DriveMessage| matches!(it, DriveMessage::ParameterReport(_));
             let answers = run.client.request_until(live, is_answer)?;
             let it = find_report(live.index, &answers)?;
@@ -161,8 +215,16 @@ impl Conditions<'_> {
             equal("SetParameter of a live value in Running", wanted, (it.outcome, it.value))?;
             messages.extend(answers);
         }
-        let changed = messages.iter().filter_map(report).next_back().map(|it| it.sequence.wrapping_add(1));
-        let (later, sent_later) = run.until(STEPS - BEFORE, is_report, reference_rad)?;
+        let latest = |messages: &[DriveMessage]| messages.iter().filter_map(report).next_back();
+        let mut last = latest(&messages);
+        if let Some(Change::Reference(reference_rad)) = self.change {
+            messages.extend(run.refer_again(reference_rad)?);
+            last = latest(&messages);
+            messages.extend(run.listen(run.pause())?);
+        }
+        let changed = last.map(|it| it.sequence.wrapping_add(1));
+        // None of the references before.
+        let (later, sent_later) = run.until(STEPS - BEFORE, is_report, |turn| 0.1 + reference_rad(turn))?;
         messages.extend(later);
         sent.extend(sent_later);
         let reports: Vec<_> = messages.iter().filter_map(report).collect();
@@ -194,15 +256,27 @@ impl Conditions<'_> {
             let state = client.state;
             client.exchange("in Idle", &[result(subscription, Outcome::Accepted, state)])?;
         }
+        limit_torque(client)?;
         client.running(self.settings)?;
         let mut steps = Steps { samples: samples.to_vec(), torques: Vec::new(), telemetry: Vec::new() };
+        // The reference whose number the change has.
+        let before = changed.and_then(|changed| samples.iter().find(|it| it.sequence == changed));
+        let before = before.map(|it| it.reference_rad);
         for sample in samples {
-            if let (Some(live), Some(sequence)) = (self.live, changed)
-                && sample.sequence == sequence
-            {
-                client.set(live.index, live.value)?;
+            let mut sample = *sample;
+            match self.change {
+                Some(Change::Live(live)) if changed == Some(sample.sequence) => {
+                    client.set(live.index, live.value)?;
+                }
+                Some(Change::Reference(reference_rad))
+                    if changed.is_some_and(|changed| sample.sequence >= changed)
+                        && before == Some(sample.reference_rad) =>
+                {
+                    sample.reference_rad = reference_rad;
+                }
+                _ => {}
             }
-            let answers = client.request(*sample)?;
+            let answers = client.request(sample)?;
             let answer = torque(&answers)?;
             steps.torques.push((Bits(answer.torque_nm.to_bits()), answer.status.flags));
             steps.telemetry.extend(answers.iter().filter_map(telemetry));

@@ -11,7 +11,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/bench", 11_110),
     ("host/campaign", 6_200),
     ("host/cli", 5_520),
-    ("host/conformance", 8_360),
+    ("host/conformance", 8_650),
     ("host/decode", 1_100),
     ("host/hardware", 2_100),
     ("host/identify", 2_150),
