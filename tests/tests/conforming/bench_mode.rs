@@ -6,8 +6,10 @@ use std::path::Path;
 use lashloop_conformance::{CheckResult, CheckStatus};
 use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{
-    BenchSample, CommandResult, EncoderSample, FaultReport, Reference, Telemetry,
+    BenchSample, ChoiceDescription, CommandResult, EncoderSample, FaultReport, LineReport, Reference,
+    Telemetry, TorqueAnswer,
 };
+use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, EncoderCounts, Message, Numbered};
 use tests::battery::BenchMode;
@@ -37,6 +39,15 @@ fn reports(it: &Numbered<DriveMessage>, alter: impl Fn(&mut BenchSample)) -> Vec
 fn faults(it: &Numbered<DriveMessage>, alter: impl Fn(&mut FaultReport)) -> Vec<u8> {
     let mut message = it.message;
     if let DriveMessage::FaultReport(it) = &mut message {
+        alter(it);
+    }
+    frame(it, message)
+}
+
+/// Line reports altered by a function.
+fn lines(it: &Numbered<DriveMessage>, alter: impl Fn(&mut LineReport)) -> Vec<u8> {
+    let mut message = it.message;
+    if let DriveMessage::LineReport(it) = &mut message {
         alter(it);
     }
     frame(it, message)
@@ -170,6 +181,38 @@ const WRONG: &[(&str, Alteration)] = &[
     ("faults without a limit", |it, _| faults(it, |it| it.limit = 0.0)),
     ("faults with a detail", |it, _| faults(it, |it| it.detail = 1)),
     ("faults of the step before", |it, _| faults(it, |it| it.sequence = it.sequence.wrapping_sub(1))),
+    ("a load that is lost as a motor", |it, _| {
+        as_code(it, FaultCode::LoadEncoderLost, FaultCode::MotorEncoderLost)
+    }),
+    ("twice the twist", |it, _| {
+        faults(it, |it| {
+            if it.code == FaultCode::LoadEncoderLost {
+                it.value *= 2.0;
+            }
+        })
+    }),
+    ("an EmergencyStop with a torque", |it, _| {
+        faults(it, |it| {
+            if it.code == FaultCode::EmergencyStop {
+                it.value = 0.5;
+            }
+        })
+    }),
+    ("references that are not counted", |it, _| lines(it, |it| it.messages = 0)),
+    ("an overrun in every run", |it, _| lines(it, |it| it.overruns = 1)),
+    ("no number 0", |it, _| reports(it, |it| it.reference_number = it.reference_number.max(1))),
+    ("a torque in Idle", |it, _| match &it.message {
+        DriveMessage::TorqueAnswer(answer) if answer.status.state == State::Idle => {
+            frame(it, TorqueAnswer { torque_nm: 0.5, ..*answer })
+        }
+        other => frame(it, *other),
+    }),
+    ("no name of the report", |it, _| match &it.message {
+        DriveMessage::ChoiceDescription(choice) if choice.choice == BenchSample::LAYOUT.kind => {
+            frame(it, ChoiceDescription { name: Text::new(""), ..*choice })
+        }
+        other => frame(it, *other),
+    }),
     ("no fault reports", |it, _| match &it.message {
         DriveMessage::FaultReport(_) => NOTHING,
         other => frame(it, *other),

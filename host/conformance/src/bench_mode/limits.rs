@@ -171,11 +171,12 @@ fn counts_per_rev(client: &Client, encoder: Encoder) -> f32 {
 
 fn twisted(client: &mut Client) -> RuleResult {
     let (reports, fault) = at_least(client, TWIST_LIMIT_RAD, SELDOM)?;
+    let mut is_judged = fault.is_some();
     if let Some(it) = fault {
+        equal("code and detail", (lost_code(it, None), 0), (it.code, it.detail))?;
         exceeds(client, TWIST_LIMIT_RAD, it)?;
         ended_by(client, &reports, it)?;
     }
-    let mut is_judged = false;
     for reference_rad in [1.0, -1.0] {
         client.reset()?;
         is_judged |= twisted_as_reported(client, reference_rad)?;
@@ -213,22 +214,27 @@ fn twisted_as_reported(client: &mut Client, reference_rad: f32) -> Result<bool, 
         )?;
         return Ok(false);
     };
-    exceeds_by(limit_rad, it)?;
-    if let Some(last) = reports.last()
-        && let Some([motor, load]) = moved(last)
-    {
-        let code = match (motor.abs(), load.abs()) {
-            (motor, load) if 2.0 * motor < load => FaultCode::MotorEncoderLost,
-            (motor, load) if 2.0 * load < motor => FaultCode::LoadEncoderLost,
-            _ => it.code,
-        };
-        equal("code and detail", (code, 0), (it.code, it.detail))?;
+    let last = reports.last().filter(|last| moved(last).is_some());
+    equal("code and detail", (lost_code(it, last.and_then(moved)), 0), (it.code, it.detail))?;
+    equal("limit of the FaultReport in rad", limit_rad, it.limit)?;
+    is_above(it)?;
+    if let Some(last) = last {
         let twist_rad = twist_rad(last);
         let is_that = (it.value - twist_rad).abs() <= 1e-3 * twist_rad + 2.0 * rad[0];
         expect(is_that, format!("a value of {twist_rad} rad, the change of the twist"), it)?;
     }
     ended_by(client, &reports, it)?;
     Ok(true)
+}
+
+/// Code of the encoder that has moved less, in rad at the motor; either one if both have moved alike, or that isn't known.
+fn lost_code(it: FaultReport, moved_rad: Option<[f32; 2]>) -> FaultCode {
+    match moved_rad.map(|moved_rad| moved_rad.map(f32::abs)) {
+        Some([motor, load]) if 2.0 * motor < load => FaultCode::MotorEncoderLost,
+        Some([motor, load]) if 2.0 * load < motor => FaultCode::LoadEncoderLost,
+        _ if it.code == FaultCode::MotorEncoderLost => it.code,
+        _ => FaultCode::LoadEncoderLost,
+    }
 }
 
 fn not_finite(client: &mut Client) -> RuleResult {
@@ -256,14 +262,12 @@ fn not_finite(client: &mut Client) -> RuleResult {
 
 /// Requires the value of a fault to exceed its limit, which is the smallest one of this parameter.
 fn exceeds(client: &Client, limit: &str, it: FaultReport) -> RuleResult {
-    match client.parameter(limit)?.min {
-        ParameterValue::F32(least) => exceeds_by(least, it),
-        _ => Ok(()),
-    }
+    let least = client.parameter(limit)?.min;
+    equal(&format!("limit of the FaultReport, {limit},"), least, ParameterValue::F32(it.limit))?;
+    is_above(it)
 }
 
-fn exceeds_by(limit: f32, it: FaultReport) -> RuleResult {
-    equal("limit of the FaultReport", limit, it.limit)?;
+fn is_above(it: FaultReport) -> RuleResult {
     expect(it.value.is_finite() && it.value >= it.limit, "a value above the limit", it)
 }
 

@@ -181,9 +181,6 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
         }
         reports.extend(run.turn()?.iter().filter_map(report));
     }
-    let lateness: Vec<_> = reports.iter().map(|it| it.lateness_tenths_us).collect();
-    let is_largest_so_far = lateness.is_sorted() && lateness.chunk_by(|one, next| one == next).count() > 4;
-    expect(!is_largest_so_far, "the lateness of each step, not the largest so far", lateness.len())?;
     // A drive may omit reports that its transmit buffer can't hold, which the line has room for.
     let due = reports.last().map_or(0, |it| it.sequence / run.timing().every);
     let expected = format!("most of {due} reports");
