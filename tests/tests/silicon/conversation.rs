@@ -4,6 +4,8 @@ use std::io::{Read, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use lashloop_firmware::drive::PinParameters;
+use lashloop_firmware::law::ParameterGroup;
 use lashloop_protocol::enums::Capabilities;
 use lashloop_protocol::message::{CommandResult, Identity, LineReport, ParameterReport, TorqueAnswer};
 use lashloop_protocol::{Decoder, DriveMessage, Message};
@@ -18,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const LONGEST_STEP_TENTHS_US: u16 = 1000;
 
 /// Parameters of bench mode, which the board offers after all others.
-const OF_BENCH_MODE: u8 = 10;
+const OF_BENCH_MODE: u8 = PinParameters::TABLE.len() as u8;
 
 /// The image's end of the line. Dropping it ends the process.
 struct Line {
