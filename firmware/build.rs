@@ -17,9 +17,10 @@ fn main() {
         // Absolute symbols take no flash. `lashloop flash` compares them with what the drive reports.
         let symbols = format!("_lashloop_build_id = 0x{build_id};\n_lashloop_build_is_dirty = {is_dirty};\n");
         // Virtual silicon wires the pins of the board that the image is for.
-        let is_odrive = env::var_os("CARGO_FEATURE_BOARD_ODRIVE_V3").is_some();
-        let board =
-            format!("\"_lashloop_board_{}\" = 1;\n", if is_odrive { "odrive-v3" } else { "stm32f405" });
+        let boards = [("NUCLEO_F446RE", "nucleo-f446re"), ("ODRIVE_V3", "odrive-v3")];
+        let selected = |feature: &str| env::var_os(format!("CARGO_FEATURE_BOARD_{feature}")).is_some();
+        let name = boards.iter().find(|(feature, _)| selected(feature)).map_or("stm32f405", |it| it.1);
+        let board = format!("\"_lashloop_board_{name}\" = 1;\n");
         let memory = fs::read_to_string("memory.x").expect("the memory map") + &symbols + &board;
         fs::write(Path::new(&folder).join("memory.x"), memory).expect("cargo makes OUT_DIR writable");
         println!("cargo::rustc-link-search={folder}");

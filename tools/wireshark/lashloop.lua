@@ -66,6 +66,7 @@ local FAULT_CODE = {
     [10] = "MotorEncoderLost",
     [11] = "LoadEncoderLost",
     [12] = "TickOverrun",
+    [13] = "MotorAgainstTorque",
 }
 local OUTCOME = {
     [1] = "Accepted",

@@ -4,16 +4,21 @@ use std::num::{NonZeroU32, NonZeroU64};
 
 use anyhow::{Context, Result};
 use rigless::cpu;
+use rigless::device::Level;
 use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::rcc;
+use rigless::soc::stm32f427::peripherals::gpio::Pin as PortPin;
+use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::time::VirtualNanos;
 
+use crate::gate_driver::GateDriver;
 use crate::serial_line::SerialLine;
+use crate::wiring::Wiring;
 
-/// Crystal on OSC_IN and OSC_OUT, Hz. The low-speed crystal is absent.
+/// Crystal on OSC_IN and OSC_OUT, Hz, unless the surroundings have another. The low-speed crystal is absent.
 pub const CRYSTAL_HZ: u64 = 8_000_000;
 /// Supply voltage, mV.
 const SUPPLY_MV: u32 = 3_300;
@@ -21,6 +26,8 @@ const SUPPLY_MV: u32 = 3_300;
 const CORE_HZ: u64 = 168_000_000;
 /// One instruction per cycle. The model has a constant rate; on silicon, branches and loads take longer.
 const INSTRUCTIONS_PER_SECOND: u64 = CORE_HZ;
+/// SPI3 among the serial interfaces of the part.
+const SPI3: usize = 2;
 /// USART2 among the serial ports of the part.
 const USART2: usize = 1;
 /// Address of RCC_CR, which enables the oscillators.
@@ -37,15 +44,20 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// The part before its first instruction, with an idle line at USART2.
+    /// The part with this crystal, on a board with this wiring, before its first instruction, with an idle line at USART2.
     ///
     /// # Errors
     /// The tables of the part contradict each other.
-    pub fn new() -> Result<Self> {
+    pub fn new(crystal_hz: u64, wiring: &Wiring) -> Result<Self> {
         let mut mcu = Stm32f427::new().context("the models of the part don't fit together")?;
-        mcu.rcc.attach_crystals(CRYSTAL_HZ, 0);
+        mcu.rcc.attach_crystals(crystal_hz, 0);
         mcu.set_supply(SUPPLY_MV);
         mcu.usart[USART2].attach(SerialLine::default());
+        if wiring.has_gate_driver {
+            let pin = PortPin::new(13).expect("a port has 16 pins");
+            let select = Select { port: "GPIOC", pin, active: Level::Low };
+            mcu.spi[SPI3].attach_selected(GateDriver::default(), select);
+        }
         Ok(Self { mcu })
     }
 
@@ -56,6 +68,11 @@ impl Chip {
             let control = registers.get(rcc::Register::Cr);
             registers.set(rcc::Register::Cr, rcc::cr::HSEON.set(control, 0));
         });
+    }
+
+    /// The gate driver of a board that has one.
+    pub fn gate_driver(&mut self) -> Option<&mut GateDriver> {
+        self.mcu.spi[SPI3].chip_mut(0)
     }
 
     /// The far end of USART2.

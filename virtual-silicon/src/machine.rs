@@ -12,6 +12,7 @@ use rigless::time::VirtualNanos;
 use crate::access::Violations;
 use crate::chip::{CLOCK_CONTROL, Chip};
 use crate::inputs::Inputs;
+use crate::lsi_capture::LsiCapture;
 use crate::pins::{Bridge, Pins};
 use crate::surroundings::{Arrival, End, Surroundings};
 use crate::wiring::Wiring;
@@ -41,9 +42,19 @@ pub struct Ended<S> {
 /// # Errors
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
-    let session = Session::new(Box::new(Chip::new()?), 0, FIRST_TURN).context("the chip can't be set up")?;
-    let machine =
-        Machine { surroundings, wiring, inputs: Inputs::default(), resets: 0, end: None, bridge: None };
+    let chip = Chip::new(surroundings.crystal_hz(), &wiring)?;
+    let session = Session::new(Box::new(chip), 0, FIRST_TURN).context("the chip can't be set up")?;
+    let machine = Machine {
+        surroundings,
+        wiring,
+        inputs: Inputs::default(),
+        lsi: LsiCapture::after_reset(VirtualNanos(0)),
+        due: FIRST_TURN,
+        edge: None,
+        resets: 0,
+        end: None,
+        bridge: None,
+    };
     let images = [image];
     let finished = emulator::run(session, &Start::new(&images), machine).context("the image can't run")?;
     let stop = finished.stop.context("the image ended the emulation itself")?;
@@ -62,6 +73,11 @@ struct Machine<S> {
     surroundings: S,
     wiring: Wiring,
     inputs: Inputs,
+    lsi: LsiCapture,
+    /// The surroundings' next turn.
+    due: VirtualNanos,
+    /// The next edge of the low-speed oscillator.
+    edge: Option<VirtualNanos>,
     /// Resets of the chip that the inputs have followed.
     resets: usize,
     end: Option<End>,
@@ -119,6 +135,12 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         if session.resets().len() != self.resets {
             self.resets = session.resets().len();
             self.inputs = Inputs::default();
+            self.lsi = LsiCapture::after_reset(stop.at);
+        }
+        let edge = self.lsi.turn(&mut session.board_mut().mcu, stop.at);
+        let is_for_edge = std::mem::replace(&mut self.edge, edge) == Some(stop.at);
+        if is_for_edge && stop.at < self.due {
+            return Some(edge.map_or(self.due, |edge| edge.min(self.due)));
         }
         let (wiring, mut inputs) = (self.wiring, self.inputs);
         inputs.settle(session.board_mut(), &wiring, stop.at);
@@ -131,7 +153,8 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         match next {
             ControlFlow::Continue(next) => {
                 let nanoseconds = u64::try_from(next.as_nanos()).unwrap_or(u64::MAX);
-                Some(VirtualNanos(nanoseconds.max(stop.at.0 + 1)))
+                self.due = VirtualNanos(nanoseconds.max(stop.at.0 + 1));
+                Some(edge.map_or(self.due, |edge| edge.min(self.due)))
             }
             ControlFlow::Break(end) => {
                 self.end = Some(end);

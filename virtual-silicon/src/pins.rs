@@ -17,6 +17,7 @@ use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
 use crate::chip::{Chip, TIM1};
+use crate::gate_driver::GateDriver;
 use crate::inputs::{Inputs, is_configured, is_connected, port_pin};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
@@ -27,6 +28,8 @@ use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
 pub struct Bridge {
     /// High time of the PWM output as a fraction of its period; `None` if the output carries no pulse.
     pub duty: Option<f64>,
+    /// High times of the outputs of channels 1 and 2, 0 or 1 for a level; `None` for one that its timer doesn't drive.
+    pub channels: [Option<f64>; 2],
     /// Level of the enable output.
     pub is_enabled: bool,
     /// Main output enable, MOE: hardware and software clear it, only software sets it.
@@ -124,6 +127,11 @@ impl<'a> Pins<'a> {
         (!is_set(dbg::Register::DbgmcuApb1Fz, 12), is_set(dbg::Register::DbgmcuApb2Fz, 0))
     }
 
+    /// The gate driver; a board may have none.
+    pub fn gate_driver(&mut self) -> Option<&mut GateDriver> {
+        self.session.board_mut().gate_driver()
+    }
+
     /// Drives the fault line of the gate driver high or low. A board may have none.
     pub fn drive_fault_line(&mut self, is_high: bool) {
         if let Some(pin) = self.wiring.fault_line {
@@ -147,6 +155,13 @@ impl<'a> Pins<'a> {
         (pulses.0.filter(|_| are_connected.0).map(duty), pulses.1.filter(|_| are_connected.1).map(duty))
     }
 
+    /// Period of the modulation; `None` if its output carries no pulse.
+    pub fn modulation_period(&mut self) -> Option<Duration> {
+        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
+        let pulse = timer.pulse(TimerChannel::new(1).expect("channel 1"), registers)?;
+        Some(Duration::from_nanos(pulse.period.0))
+    }
+
     /// Level of a pin.
     pub fn is_high(&mut self, pin: Pin) -> bool {
         let (gpio, registers) = self.session.board_mut().mcu.port(pin.port);
@@ -157,6 +172,10 @@ impl<'a> Pins<'a> {
     pub fn bridge(&mut self) -> Bridge {
         let chip = self.session.board_mut();
         let (wiring, is_connected) = (self.wiring, is_connected(chip, self.wiring.pwm));
+        let mut channels = [None; 2];
+        for (have, (channel, pin, _)) in channels.iter_mut().zip(wiring.half_bridges) {
+            *have = high_time(chip, *pin, *channel);
+        }
         let has_active_gate = wiring.gates().any(|(pin, output)| is_active(chip, pin, output));
         let mcu = &mut chip.mcu;
         let (gpio, registers) = mcu.port(self.wiring.enable.port);
@@ -166,6 +185,7 @@ impl<'a> Pins<'a> {
         let pulse = timer.pulse(channel, registers).filter(|_| is_connected);
         Bridge {
             duty: pulse.map(|pulse| pulse.width.0 as f64 / pulse.period.0 as f64),
+            channels,
             is_enabled,
             has_main_output: tim1::bdtr::MOE.is_set(registers.get(tim1::Register::Bdtr)),
             has_active_gate,
@@ -245,6 +265,19 @@ impl<'a> Pins<'a> {
         });
         self.inputs.settle(chip, self.wiring, self.at);
     }
+}
+
+/// High time of the output of a channel; `None` if its timer doesn't drive it.
+fn high_time(chip: &mut Chip, pin: Pin, channel: u8) -> Option<f64> {
+    if !is_connected(chip, pin) {
+        return None;
+    }
+    let (timer, registers) = chip.mcu.advanced_timer(TIM1);
+    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
+    let level = timer.output(channel, registers)?;
+    let pulse = timer.pulse(channel, registers);
+    let level = if level == Level::High { 1.0 } else { 0.0 };
+    Some(pulse.map_or(level, |pulse| pulse.width.0 as f64 / pulse.period.0 as f64))
 }
 
 /// Whether a gate carries a pulse or is high. A gate that is not connected to its timer has the level of its port.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rigless::emulator::AccessKind;
 
+use crate::chip::CRYSTAL_HZ;
 use crate::pins::Pins;
 
 /// What is connected to the chip. Between two instants of its choice the chip runs undisturbed.
@@ -23,6 +24,11 @@ pub trait Surroundings: Send {
     /// Whether the crystal starts when the image enables it.
     fn crystal_starts(&self) -> bool {
         true
+    }
+
+    /// Frequency of the crystal, Hz.
+    fn crystal_hz(&self) -> u64 {
+        CRYSTAL_HZ
     }
 
     /// The bridge changed at this device time.

@@ -48,6 +48,10 @@ impl Pin {
         Self::of(port, pin, Mode::Alternate(function), Pull::Open)
     }
 
+    const fn pulled_down(port: usize, pin: u8, function: u8) -> Self {
+        Self::of(port, pin, Mode::Alternate(function), Pull::Down)
+    }
+
     const fn pulled_up(port: usize, pin: u8, function: u8) -> Self {
         Self::of(port, pin, Mode::Alternate(function), Pull::Up)
     }
@@ -149,12 +153,16 @@ pub struct Wiring {
     pub fault_line: Option<Pin>,
     /// Enable output of the bridge, active high.
     pub enable: Pin,
-    /// Gates of half-bridges: the channel of TIM1, high side, low side.
+    /// Outputs of channels with their complements: the channel of TIM1, its output or high side, its complement or low side.
     pub half_bridges: &'static [(u8, Pin, Pin)],
     /// Outputs that stay high.
     pub high: &'static [Pin],
     /// Gates that stay off.
     pub unused_gates: &'static [Pin],
+    /// Pins of a serial interface.
+    pub spi: &'static [Pin],
+    /// Whether a gate driver is at SPI3, selected by PC13.
+    pub has_gate_driver: bool,
 }
 
 const A: usize = 0;
@@ -166,21 +174,30 @@ const LINK: [Pin; 2] = [Pin::alternate(A, 2, 7), Pin::pulled_up(A, 3, 7)];
 
 impl Wiring {
     /// The boards, by the names that their drives report.
-    pub const BOARDS: [(&'static str, Self); 2] =
-        [("stm32f405", Self::F405_BARE), ("odrive-v3", Self::ODRIVE_V3)];
+    pub const BOARDS: [(&'static str, Self); 3] = [
+        ("stm32f405", Self::F405_BARE),
+        ("odrive-v3", Self::ODRIVE_V3),
+        // Its headers have the pins of the bare board.
+        ("nucleo-f446re", Self::F405_BARE),
+    ];
 
     /// The bare STM32F405 board of `docs/board.md`. Alternate functions are those of the data sheet, table 9.
     pub const F405_BARE: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::pulled_up(C, 6, 2), b: Pin::pulled_up(C, 7, 2) },
         load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
         link: LINK,
-        pwm: Pin::alternate(A, 8, 1),
+        pwm: Pin::pulled_down(A, 8, 1),
         break_input: Some(Pin::pulled_up(B, 12, 1)),
         fault_line: None,
         enable: Pin::output(B, 0),
-        half_bridges: &[],
+        half_bridges: &[
+            (1, Pin::pulled_down(A, 8, 1), Pin::pulled_down(B, 13, 1)),
+            (2, Pin::pulled_down(A, 9, 1), Pin::pulled_down(B, 14, 1)),
+        ],
         high: &[],
         unused_gates: &[],
+        spi: &[],
+        has_gate_driver: false,
     };
     /// An ODrive v3.5 or v3.6, phases A and B of M0, after the pin names of the board's own firmware.
     pub const ODRIVE_V3: Self = Self {
@@ -208,6 +225,8 @@ impl Wiring {
             Pin::unused_gate(B, 10),
             Pin::unused_gate(B, 11),
         ],
+        spi: &[Pin::alternate(C, 10, 6), Pin::pulled_up(C, 11, 6), Pin::alternate(C, 12, 6)],
+        has_gate_driver: true,
     };
 
     /// The board of this name.
@@ -260,6 +279,7 @@ impl Wiring {
         let inputs = self.inputs().map(|(pin, _)| pin).chain(self.fault_line);
         let outputs = [self.pwm, self.enable].into_iter().chain(self.high.iter().copied());
         let unused = self.unused_gates.iter().copied();
-        self.link.into_iter().chain(inputs).chain(outputs).chain(gates).chain(unused).collect()
+        let spi = self.spi.iter().copied();
+        self.link.into_iter().chain(inputs).chain(outputs).chain(gates).chain(unused).chain(spi).collect()
     }
 }

@@ -15,6 +15,7 @@ use std::path::Path;
 
 use lashloop_protocol::message::Hello;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
+use lashloop_silicon::lsi_capture::LsiCapture;
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, NOTHING, RETURN};
 use rigless::chip::Timeline;
@@ -48,7 +49,8 @@ const NOTE: u32 = 0x2002_8000;
 const JUMPED: u32 = 0x600d_f00d;
 /// The request of firmware/src/board/loader.rs.
 const REQUEST: u64 = 0x5245_4f4c;
-const IMAGES: [&str; 2] = ["lashloop-firmware", "lashloop-firmware-odrive-v3"];
+const IMAGES: [&str; 3] =
+    ["lashloop-firmware", "lashloop-firmware-odrive-v3", "lashloop-firmware-nucleo-f446re"];
 
 /// How the chip came to the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,6 +218,7 @@ impl Board for Chip {
 }
 
 struct Run {
+    lsi: LsiCapture,
     case: Case,
     request_at: u64,
     has_greeted: bool,
@@ -243,8 +246,10 @@ impl Driver<Chip> for Run {
         if stop.at.0 < MS && self.case.entry == Entry::Request {
             host.write(self.request_at, Width::W32, REQUEST).expect("RAM");
         }
+        let edge = self.lsi.turn(&mut session.board_mut().mcu, stop.at);
+        let until = |at| Some(edge.map_or(VirtualNanos(at), |edge| edge.min(VirtualNanos(at))));
         if stop.at.0 < HELLO_AT {
-            return Some(VirtualNanos(HELLO_AT));
+            return until(HELLO_AT);
         }
         if !self.has_greeted {
             self.has_greeted = true;
@@ -252,7 +257,7 @@ impl Driver<Chip> for Run {
             line.to_chip.extend([0].iter().chain(&*HostMessage::from(Hello::new(7)).frame()));
         }
         if stop.at.0 < END {
-            return Some(VirtualNanos(END));
+            return until(END);
         }
         let note = host.read(u64::from(NOTE), Width::W32).expect("RAM");
         self.has_jumped = note == u64::from(JUMPED);
@@ -278,7 +283,13 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
         Image::new(Path::new("rom"), rom(case), Some(ROM.into())).expect("a ROM"),
     ];
     let request_at = image.variable("WORD").expect("the word of the loader");
-    let run = Run { case, request_at, has_greeted: false, has_jumped: false };
+    let run = Run {
+        lsi: LsiCapture::after_reset(VirtualNanos(0)),
+        case,
+        request_at,
+        has_greeted: false,
+        has_jumped: false,
+    };
     let ended = emulator::run(session, &Start::new(&images), run).expect("a run");
     assert_eq!(ended.driver.has_jumped, case.entry != Entry::Reset, "{case:?}: the way through the ROM");
 
@@ -294,6 +305,14 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
     let is_identity = |it: &Result<Numbered<DriveMessage>, _>| {
         it.as_ref().is_ok_and(|it| matches!(it.message, DriveMessage::Identity(_)))
     };
+    let logs_its_clock = |it: &Result<Numbered<DriveMessage>, _>| {
+        it.as_ref().is_ok_and(
+            |it| matches!(&it.message, DriveMessage::Log(log) if log.text.as_str().contains("crystal")),
+        )
+    };
+    if messages.iter().any(logs_its_clock) == case.has_crystal {
+        return Err(format!("another clock than that of the crystal, or not said: {messages:?}"));
+    }
     if !messages.iter().any(is_identity) {
         return Err(format!("no Identity in {messages:?}"));
     }

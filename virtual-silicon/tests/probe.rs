@@ -76,7 +76,13 @@ fn the_crystal_starts_the_clock_and_every_pin_is_connected() {
     let (_, started) = ended.surroundings.bridge.last().expect("a bridge");
     assert_eq!(
         *started,
-        Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true, has_active_gate: true }
+        Bridge {
+            duty: Some(0.5),
+            channels: [Some(0.5), None],
+            is_enabled: true,
+            has_main_output: true,
+            has_active_gate: true
+        }
     );
 }
 

@@ -26,23 +26,24 @@ pub(crate) struct Program {
     features: &'static str,
 }
 
-/// The drive.
-pub(crate) const DRIVE: Program = Program {
+/// The drive on a bare board.
+const DRIVE: Program = Program {
     package: "lashloop-firmware",
     name: "lashloop-firmware",
     image: "lashloop-firmware",
-    features: "image",
+    features: "image,lashloop-firmware/board-f405-bare",
 };
-/// The drive on an ODrive.
-pub(crate) const DRIVE_ON_ODRIVE: Program =
-    Program { image: "lashloop-firmware-odrive-v3", features: "image,board-odrive-v3", ..DRIVE };
-/// Every program for a board.
-pub(crate) const PROGRAMS: [Program; 5] = [
-    // Before the other drive: both builds have one place, and the last one stays there.
-    DRIVE_ON_ODRIVE,
+/// The drive on each board.
+pub(crate) const DRIVES: [Program; 3] = [
+    // The last one: all builds have one place, and the last one stays there.
+    Program { image: "lashloop-firmware-odrive-v3", features: "image,board-odrive-v3", ..DRIVE },
+    Program { image: "lashloop-firmware-nucleo-f446re", features: "image,board-nucleo-f446re", ..DRIVE },
     DRIVE,
+];
+/// Every other program for a board.
+const OTHERS: [Program; 3] = [
     // Counts the codec's instructions.
-    Program { name: "codec-cost", image: "codec-cost", features: "codec-cost", ..DRIVE },
+    Program { name: "codec-cost", image: "codec-cost", features: "codec-cost,board-f405-bare", ..DRIVE },
     // A drive with a law from a crate of its own.
     Program { package: "own-law", name: "own-law-image", image: "own-law-image", ..DRIVE },
     // A drive with published laws, whose instructions are counted.
@@ -53,6 +54,11 @@ pub(crate) const PROGRAMS: [Program; 5] = [
         ..DRIVE
     },
 ];
+
+/// Every program for a board.
+pub(crate) fn programs() -> impl Iterator<Item = &'static Program> {
+    DRIVES.iter().chain(&OTHERS)
+}
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO_CLIPPY: &str = "/usr/bin/cargo-clippy";
@@ -115,7 +121,7 @@ impl ArmToolchain {
 
     fn for_board(&self, mut command: Command, program: &Program) -> Command {
         let Program { package, name, features, .. } = program;
-        command.args(["--package", package, "--bin", name, "--features", features]);
+        command.args(["--package", package, "--bin", name, "--no-default-features", "--features", features]);
         self.for_target(command)
     }
 

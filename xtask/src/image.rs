@@ -4,13 +4,13 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-use crate::arm_toolchain::{ArmToolchain, PROGRAMS, TARGET};
+use crate::arm_toolchain::{ArmToolchain, TARGET, programs};
 use crate::{command, paths};
 
 /// Builds the images and copies them to their well-known places.
 pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
-    for program in &PROGRAMS {
+    for program in programs() {
         command::run(&mut toolchain.build(program))?;
         publish(program.name, program.image)?;
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 
-use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
+use crate::arm_toolchain::{ArmToolchain, DRIVES};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::one_test::{Conditions, Test, run_each};
@@ -114,7 +114,7 @@ impl Selection {
             Ring::Image => {
                 counts.step("image", image::build);
                 counts.step("image size", size::check);
-                for program in [DRIVE, DRIVE_ON_ODRIVE] {
+                for program in DRIVES {
                     counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy(&program)?));
                 }
             }

@@ -208,7 +208,7 @@ def refusing(answer: Callable[[CommandResult | ParameterReport], DriveMessage]) 
         (Outcome.INCONSISTENT, 2**32 - 1, "Inconsistent (parameter 4294967295 does not go with the other parameters)"),
         (Outcome.SIGNAL_OF_OTHER_LAW, 31, "SignalOfOtherLaw (signal 31 isn't a signal of the law in force)"),
         (Outcome.POWER_STAGE_FAULT, 2, "PowerStageFault (fault line)"),
-        (Outcome.POWER_STAGE_FAULT, 3, "PowerStageFault (detail 3)"),
+        (Outcome.POWER_STAGE_FAULT, 9, "PowerStageFault (detail 9)"),
         (Outcome.ENCODER_IMPLAUSIBLE, 5, "EncoderImplausible (both channels of the load encoder changed at once)"),
     ],
 )

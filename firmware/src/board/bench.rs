@@ -10,7 +10,7 @@ use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
 use super::device_clock::DeviceClock;
 use super::fitted::{Lines, LoadEncoder, MotorEncoder};
-use super::pwm_stage::PwmStage;
+use super::pwm_stage::{PwmStage, StageLines as _};
 use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::input_filter::FILTERS_NS;
@@ -25,6 +25,7 @@ pub type Stage = Actuator<PwmStage<Lines>>;
 pub(super) const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: LARGEST_MOVE_COUNTS,
     filters_ns: &FILTERS_NS,
+    stage_modes: Lines::MODES,
     longest_period_us: u32::MAX,
 };
 

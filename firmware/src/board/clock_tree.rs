@@ -1,7 +1,7 @@
-//! 168 MHz from the crystal, or from the internal oscillator when there is none.
+//! 168 MHz from the crystal, or from the internal oscillator when there is none of a known frequency.
 
-use super::fitted::CRYSTAL_HZ;
-use stm32f4xx_hal::pac::RCC;
+use super::{crystal, fitted};
+use stm32f4xx_hal::pac::{RCC, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
@@ -20,26 +20,54 @@ pub(crate) enum Source {
     /// The crystal, about 50 ppm.
     Crystal,
     /// The internal RC oscillator, 1 % at room temperature: accurate enough for the link, not for timing.
-    InternalOscillator,
+    InternalOscillator(Unusable),
+}
+
+/// Why the crystal isn't used.
+#[derive(Clone, Copy)]
+pub(crate) enum Unusable {
+    /// It doesn't start.
+    Silent,
+    /// Its frequency isn't known to the clock tree.
+    UnknownFrequency,
+}
+
+impl Unusable {
+    /// What the drive logs.
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Self::Silent => "no crystal: clock 1% RC, no bench mode",
+            Self::UnknownFrequency => "no known crystal: clock 1% RC, no bench mode",
+        }
+    }
 }
 
 /// Configures the clock tree.
-pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
+pub(crate) fn start(rcc: RCC, timer: &TIM5, emulated: bool) -> (Rcc, Source) {
     if emulated {
         // With any other configuration the HAL waits for ready flags that QEMU never sets.
         return (rcc.freeze(Config::hsi()), Source::Emulator);
     }
     reset(&rcc);
+    if fitted::HAS_CLOCK {
+        rcc.cr().modify(|_, w| w.hsebyp().bypassed());
+    }
     // The HAL waits for the crystal without a timeout, so we start it first and select it only if it runs.
     rcc.cr().modify(|_, w| w.hseon().on());
     let steady = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().is_ready());
-    let (config, source) = if steady {
+    let crystal = if steady {
         // From here on a crystal that stops is a break of TIM1, and a non-maskable interrupt, which switches off too.
         rcc.cr().modify(|_, w| w.csson().on());
-        (Config::hse(CRYSTAL_HZ.Hz()), Source::Crystal)
+        crystal::frequency_hz(&rcc, timer).ok_or(Unusable::UnknownFrequency)
     } else {
-        rcc.cr().modify(|_, w| w.hseon().off());
-        (Config::hsi(), Source::InternalOscillator)
+        Err(Unusable::Silent)
+    };
+    let (config, source) = match crystal {
+        Ok(hz) => (Config::hse(hz.Hz()), Source::Crystal),
+        Err(why) => {
+            rcc.cr().modify(|_, w| w.csson().off().hseon().off());
+            (Config::hsi(), Source::InternalOscillator(why))
+        }
     };
     (rcc.freeze(config.sysclk(CORE_HZ.Hz()).require_pll48clk()), source)
 }

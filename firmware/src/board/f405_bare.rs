@@ -1,36 +1,39 @@
-//! A bare STM32F405 board, with a servo amplifier in torque mode.
+//! A bare STM32F405 board, with a servo amplifier in torque mode, or a bridge.
 //!
 //! | pin | function | connected to |
 //! |---|---|---|
 //! | PC6, PC7 | TIM3 channels 1 and 2 | motor encoder A, B |
 //! | PB6, PB7 | TIM4 channels 1 and 2 | load encoder A, B |
-//! | PA8 | TIM1 channel 1 | pulse input of the amplifier |
-//! | PB12 | TIM1 break input | amplifier: low while it is ready |
-//! | PB0 | output | enable input of the amplifier |
+//! | PA8 | TIM1 channel 1 | pulse input of the amplifier; PWM, IN1, or high side A of a bridge |
+//! | PA9 | TIM1 channel 2 | nothing at an amplifier; direction, IN2, or high side B of a bridge |
+//! | PB13, PB14 | TIM1 complements of both channels | low sides A and B of two half-bridges |
+//! | PB12 | TIM1 break input | power stage: low while it is ready |
+//! | PB0 | output | enable input of the power stage |
 //! | PA2, PA3 | USART2 | link, see `link` |
-//! | OSC_IN, OSC_OUT | 8 MHz crystal | |
+//! | OSC_IN, OSC_OUT | crystal of 8, 12, 16 or 25 MHz | |
 //!
-//! While the outputs are off the pulse output is low and the enable line is low: a duty of 0, which an amplifier for 10 to
-//! 90 % takes for a broken wire.
+//! While the outputs are off they and the enable line are low: a duty of 0, which an amplifier for 10 to 90 % takes for a
+//! broken wire, and a bridge for no drive. Outputs that a mode doesn't use are pulled down and not driven.
 //!
-//! All inputs have pull-ups: an open break input stops the amplifier, and an open channel of an encoder has no edges. The
-//! amplifier needs a pull-down at its enable input, because all pins are inputs during a reset.
+//! All inputs have pull-ups: an open break input stops the power stage, and an open channel of an encoder has no edges. The
+//! power stage needs a pull-down at its enable input, because all pins are inputs during a reset.
 
-use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PB0, PB6, PB7, PB12, PC6, PC7, Pull};
-use stm32f4xx_hal::pac::{GPIOB, TIM1, TIM3, TIM4};
+use stm32f4xx_hal::gpio::{Alternate, Output, PB0, PB6, PB7, PB12, PC6, PC7, Pull};
+use stm32f4xx_hal::pac::{GPIOB, SPI3, TIM1, TIM3, TIM4};
 use stm32f4xx_hal::rcc::Rcc;
 
 use super::encoder::Encoder;
 use super::ports::Ports;
 use super::pwm_stage::{PwmStage, StageLines, clear_main_output};
-use crate::power_stage::PowerStageFault;
+use crate::power_stage::{PowerStageFault, StageMode};
+
+/// Whether OSC_IN has a clock, and not a crystal.
+#[cfg_attr(feature = "board-nucleo-f446re", expect(dead_code, reason = "the board has a clock"))]
+pub(super) const HAS_CLOCK: bool = false;
 
 /// Name of the board.
+#[cfg_attr(feature = "board-nucleo-f446re", expect(dead_code, reason = "the board has a name of its own"))]
 pub(super) const NAME: &str = "stm32f405";
-
-/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz). Change it for a board with another crystal: otherwise the
-/// PLL runs at a wrong frequency.
-pub(super) const CRYSTAL_HZ: u32 = 8_000_000;
 
 pub(super) type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
 pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
@@ -44,13 +47,22 @@ pub struct Lines {
 }
 
 impl StageLines for Lines {
-    const DEAD_TIME_CYCLES: Option<u8> = None;
+    const MODES: &'static [StageMode] = &[
+        StageMode::Amplifier,
+        StageMode::PwmDirection,
+        StageMode::TwoPwmCoast,
+        StageMode::TwoPwmBrake,
+        StageMode::Complementary,
+    ];
+    // 500 ns: more than drivers with their own dead time and discrete switches for 24 to 48 V need.
+    const DEAD_TIME_CYCLES: u8 = 84;
+    const HAS_BREAK: bool = true;
 
     fn enable(&mut self) {
         self.enable.set_high();
     }
 
-    fn fault(&self) -> Option<PowerStageFault> {
+    fn fault(&mut self, _is_off: bool) -> Option<PowerStageFault> {
         self.not_ready.is_high().then_some(PowerStageFault::BreakInput)
     }
 
@@ -66,8 +78,8 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
-    ((_, pulse, ..), b, c, _): Ports,
-    (pwm, motor, load): (TIM1, TIM3, TIM4),
+    ((_, first, second, _), b, c, _): Ports,
+    (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
     let motor_pins = (
@@ -83,7 +95,10 @@ pub(super) fn start(
         enable: b.pb0.into_push_pull_output(),
     };
     let stage = PwmStage::new(pwm, lines, rcc);
-    // After the timer has its output off.
-    let _: PA8<Alternate<1>> = pulse.into_alternate();
+    // After the timer has its outputs off.
+    first.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    second.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    b.pb13.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    b.pb14.into_alternate::<1>().set_internal_resistor(Pull::Down);
     (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
 }

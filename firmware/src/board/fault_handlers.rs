@@ -6,7 +6,7 @@ use core::panic::{Location, PanicInfo};
 use super::pwm_stage::StageLines;
 use super::{device_clock, fitted, last_resort, usb_port};
 use crate::drive::fault_frame;
-use cortex_m::peripheral::{NVIC, Peripherals};
+use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
@@ -14,6 +14,9 @@ use stm32f4xx_hal::pac::{Interrupt, USART2};
 
 /// Polls of the transmitter before a byte is given up: at 168 MHz about 100 times the duration of a byte.
 const POLLS_PER_BYTE: u32 = 20_000;
+
+/// A stack that has overflowed took no frame (ARMv7-M B3.2.15, MSTKERR).
+const STACKING_FAILED: u32 = 1 << 4;
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
@@ -25,7 +28,10 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 #[allow(unsafe_code)]
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    stop(FaultCode::ProcessorFault, frame.pc())
+    // SAFETY: reading the status has no effect.
+    #[allow(unsafe_code)]
+    let has_frame = unsafe { (*SCB::PTR).cfsr.read() } & STACKING_FAILED == 0;
+    stop(FaultCode::ProcessorFault, if has_frame { frame.pc() } else { 0 })
 }
 
 // SAFETY: as above.

@@ -63,7 +63,7 @@ macro_rules! image {
             #[init(local = [memory: Memory = Memory::new()])]
             fn init(cx: init::Context) -> (Shared, Local) {
                 let Board { drive, bench, clock, ticker, usart, lines } =
-                    board::start(cx.core.SYST, cx.device, cx.local.memory);
+                    board::start((cx.core.SYST, &cx.core.MPU), cx.device, cx.local.memory);
                 let (stage, ticks) = bench.unzip();
                 let (steps, monitor) = ticks.unzip();
                 let shared = Shared { drive, stage, monitor, clock, line_errors: AtomicU32::new(0) };

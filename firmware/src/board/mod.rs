@@ -1,16 +1,16 @@
-//! The STM32F405: all register access.
+//! The STM32F405 and its relatives: all register access.
 //!
 //! One image serves the chip and QEMU's `netduinoplus2`, which models the core, SysTick and the USARTs but neither
 //! the clock tree nor the timers. [`start`] alone distinguishes the two, at run time.
 //!
 //! On silicon the drive has pins too: encoders, a power stage, and a timer as tick. The emulator has none of them, so the
-//! drive doesn't offer bench mode there. Each board has a file with its pins; the feature `board-odrive-v3`
-//! selects `odrive_v3`, otherwise it is `f405_bare`.
+//! drive doesn't offer bench mode there. Each board has a file with its pins; a feature selects it, in `fitted`.
 //!
 //! [`image!`](crate::image) makes a program of the board and a set of laws.
 
 mod bench;
 mod clock_tree;
+mod crystal;
 mod device_clock;
 mod encoder;
 mod entry;
@@ -18,14 +18,19 @@ mod entry;
 mod f405_bare;
 mod fault_handlers;
 mod fitted;
+#[cfg(feature = "board-odrive-v3")]
+mod gate_driver;
 mod image;
 mod last_resort;
 mod link;
 pub mod loader;
+#[cfg(feature = "board-nucleo-f446re")]
+mod nucleo_f446re;
 #[cfg(feature = "board-odrive-v3")]
 mod odrive_v3;
 mod ports;
 mod pwm_stage;
+mod stack_guard;
 mod tick_monitor;
 mod usb_port;
 
@@ -38,6 +43,7 @@ pub use device_clock::{DeviceClock, Ticker};
 pub use link::{LineError, UsartInterrupt};
 pub use tick_monitor::TickMonitor;
 
+use cortex_m::peripheral::{MPU, SYST};
 use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals};
@@ -90,7 +96,7 @@ pub struct Board<L: LawSet> {
 
 /// Starts the board within 0.2 s, with or without a crystal.
 pub fn start<L: LawSet>(
-    syst: cortex_m::peripheral::SYST,
+    (syst, mpu): (SYST, &MPU),
     device: Peripherals,
     memory: &'static mut Memory,
 ) -> Board<L> {
@@ -98,7 +104,9 @@ pub fn start<L: LawSet>(
     if !emulated {
         loader::follow_request(&device.RCC, &device.SYSCFG);
     }
-    let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
+    // After the loader, whose own variables are there.
+    stack_guard::start(mpu);
+    let (mut rcc, source) = clock_tree::start(device.RCC, &device.TIM5, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);
     let Memory { queues, usb } = memory;
     let transmission = if emulated { Transmission::Polling } else { Transmission::Interrupt };
@@ -108,25 +116,31 @@ pub fn start<L: LawSet>(
             let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
             usb_port::open(core, (gpioa.pa11, gpioa.pa12), &mut rcc, usb)
         }
-        Source::Emulator | Source::InternalOscillator => None,
+        Source::Emulator | Source::InternalOscillator(_) => None,
     };
     let lines = Lines::new(uart, usb);
     let (clock, ticker) = device_clock::start(syst);
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
-        Source::Crystal | Source::InternalOscillator => {
+        Source::Crystal | Source::InternalOscillator(_) => {
             let ports: Ports = (
                 (gpioa.pa7, gpioa.pa8, gpioa.pa9, gpioa.pa10),
                 device.GPIOB.split(&mut rcc),
                 device.GPIOC.split(&mut rcc),
                 device.GPIOD.split(&mut rcc),
             );
-            let timers = (device.TIM1, device.TIM3, device.TIM4);
+            let timers = (device.TIM1, device.TIM3, device.TIM4, device.SPI3);
             let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
-            if let Source::InternalOscillator = source {
+            let reason = match source {
                 // Its periods are too inaccurate for a motor, and nothing would notice that it drifts.
+                Source::InternalOscillator(why) => Some(why.text()),
+                // A core that waits at a breakpoint turns no motor off in time.
+                _ if cfg!(feature = "debug") => Some("image for a debugger: no bench mode"),
+                _ => None,
+            };
+            if let Some(reason) = reason {
                 let mut drive = Drive::with_laws(fitted::NAME).with_loader();
-                drive.log(LogLevel::Warning, &["no crystal: clock 1% RC, no bench mode"]);
+                drive.log(LogLevel::Warning, &[reason]);
                 (drive, None)
             } else {
                 let drive = Drive::with_pins(fitted::NAME, bench::HARDWARE).with_loader();

@@ -8,30 +8,31 @@
 //! | PA9, PB14 | TIM1 channel 2 and its complement | gate driver M0, phase B high and low |
 //! | PB12 | output | EN_GATE of both gate drivers (DRV8301) |
 //! | PD2 | input | nFAULT of both gate drivers |
-//! | PC13, PC14 | outputs | chip selects of the gate drivers, high: their registers keep their values after power-up |
+//! | PC10, PC11, PC12 | SPI3 | clock, data out and data in of both gate drivers |
+//! | PC13, PC14 | outputs | chip selects of the gate drivers of M0 and M1; that of M1 stays high |
 //! | PA2, PA3 | USART2 | GPIO3 and GPIO4: link, see `link` |
 //! | PA11, PA12 | USB | USB connector |
 //! | OSC_IN, OSC_OUT | 8 MHz crystal | |
 //!
-//! No break input of TIM1 is free on this board: PB12 is EN_GATE. nFAULT is read at every tick. What the gate driver does at an
-//! overcurrent was not tried: by its data sheet it limits the current after power-up, and reports that on nOCTW, which is not
-//! read. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and reports a fault until
-//! then. The bridge is off while TIM1 holds all gates low.
+//! No break input of TIM1 is free on this board: PB12 is EN_GATE. nFAULT is read at every tick, and the gate driver is asked for
+//! the cause, see `gate_driver`. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and
+//! reports a fault until then. The bridge is off while TIM1 holds all gates low.
 
 use stm32f4xx_hal::gpio::{Alternate, Input, PA8, PA9, PB4, PB5, PB6, PB7, PB13, PB14, PD2, PinState, Pull};
-use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4};
+use stm32f4xx_hal::pac::{SPI3, TIM1, TIM3, TIM4};
 use stm32f4xx_hal::rcc::Rcc;
 
 use super::encoder::Encoder;
+use super::gate_driver::GateDriver;
 use super::ports::Ports;
 use super::pwm_stage::{PwmStage, StageLines, clear_main_output};
-use crate::power_stage::PowerStageFault;
+use crate::power_stage::{PowerStageFault, StageMode};
+
+/// Whether OSC_IN has a clock, and not a crystal.
+pub(super) const HAS_CLOCK: bool = false;
 
 /// Name of the board.
 pub(super) const NAME: &str = "odrive-v3";
-
-/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz).
-pub(super) const CRYSTAL_HZ: u32 = 8_000_000;
 
 pub(super) type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
 pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
@@ -39,17 +40,20 @@ pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>
 /// The lines of the gate drivers.
 pub struct Lines {
     not_fault: PD2<Input>,
+    driver: GateDriver,
 }
 
 impl StageLines for Lines {
+    const MODES: &'static [StageMode] = &[StageMode::Complementary];
     // 119 ns, as in the board's own firmware.
-    const DEAD_TIME_CYCLES: Option<u8> = Some(20);
+    const DEAD_TIME_CYCLES: u8 = 20;
+    const HAS_BREAK: bool = false;
 
     /// The gate driver is enabled from the start.
     fn enable(&mut self) {}
 
-    fn fault(&self) -> Option<PowerStageFault> {
-        self.not_fault.is_low().then_some(PowerStageFault::FaultLine)
+    fn fault(&mut self, is_off: bool) -> Option<PowerStageFault> {
+        self.driver.fault(self.not_fault.is_low(), is_off)
     }
 
     #[inline(never)]
@@ -61,7 +65,7 @@ impl StageLines for Lines {
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
     ((pa7, pa8, pa9, pa10), b, c, d): Ports,
-    (pwm, motor, load): (TIM1, TIM3, TIM4),
+    (pwm, motor, load, spi): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
     // The gates of phase C and of M1 stay off.
@@ -84,11 +88,12 @@ pub(super) fn start(
         b.pb6.into_alternate().internal_resistor(Pull::Up),
         b.pb7.into_alternate().internal_resistor(Pull::Up),
     );
-    c.pc13.into_push_pull_output_in_state(PinState::High);
+    let select = c.pc13.into_push_pull_output_in_state(PinState::High);
+    let driver = GateDriver::new(spi, (c.pc10, c.pc11, c.pc12), select, rcc);
     c.pc14.into_push_pull_output_in_state(PinState::High);
     // The timer's outputs are open until then, and the gate drivers disabled by their pull-downs.
     let mut gate_enable = b.pb12.into_push_pull_output();
-    let stage = PwmStage::new(pwm, Lines { not_fault: d.pd2.into_pull_up_input() }, rcc);
+    let stage = PwmStage::new(pwm, Lines { not_fault: d.pd2.into_pull_up_input(), driver }, rcc);
     // After the timer has its outputs off.
     let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
     let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());

@@ -10,7 +10,6 @@ use super::lifecycle::Lifecycle;
 use super::machine::Drive;
 use super::parameters::Parameters;
 use super::pin_run::PinRun;
-use super::pins::Pins;
 use super::refusal::Refusal;
 use super::run::Source;
 use super::subscription::Subscription;
@@ -52,7 +51,8 @@ impl<L: LawSet> Drive<L> {
     fn control(&self) -> Result<ControlLoop<L>, ParameterError> {
         let limits = match (self.parameters.bench_mode(), &self.pins) {
             (Some(parameters), Some(pins)) => {
-                parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
+                let modulation = parameters.modulation(pins.hardware())?;
+                modulation.check(self.parameters.drive().torque_limit_nm)?;
                 Some(pins.hardware().limits(parameters.encoder_filter_ns)?)
             }
             _ => None,
@@ -67,12 +67,13 @@ impl<L: LawSet> Drive<L> {
             self.check_pins()?;
         }
         let drive = self.parameters.drive();
-        let source = match self.parameters.bench_mode() {
-            None => Source::Link { last_answer: None },
-            Some(parameters) => {
-                let latest = self.pins.as_ref().map(Pins::readings).unwrap_or_default();
-                Source::Pins(PinRun::new(parameters, &drive, latest, now))
-            }
+        let source = match (self.parameters.bench_mode(), &self.pins) {
+            (Some(parameters), Some(pins)) => match PinRun::new(parameters, &drive, pins, now) {
+                Ok(run) => Source::Pins(run),
+                // Never after `Arm`, and no run without a modulation.
+                Err(error) => return Err(Parameters::<L>::inconsistent(&error)),
+            },
+            _ => Source::Link { last_answer: None },
         };
         self.lifecycle.start(&drive, source, now)?;
         self.begin_counts();

@@ -89,7 +89,7 @@ impl<L: LawSet> Drive<L> {
     pub fn stage_command(&self) -> StageCommand {
         let run = self.lifecycle.run();
         run.and_then(|run| Some((run, run.pins()?))).map_or(StageCommand::Off, |(run, pins)| {
-            StageCommand::Torque { torque_nm: run.torque_nm(), scale: pins.parameters().duty_scale() }
+            StageCommand::Torque { torque_nm: run.torque_nm(), modulation: pins.modulation() }
         })
     }
 

@@ -50,6 +50,7 @@ mod lists;
 mod loader;
 mod loader_entry;
 mod machine;
+mod motor_direction;
 mod output;
 mod parameters;
 mod pin_parameters;

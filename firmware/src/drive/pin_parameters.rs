@@ -1,7 +1,9 @@
 //! The parameters of bench mode. Only a drive with encoders and a power stage of its own offers them, after all others.
 
+use super::pins::PinHardware;
 use crate::direction::Direction;
-use crate::power_stage::DutyScale;
+use crate::law::ParameterError;
+use crate::power_stage::{Modulation, StageChoice};
 
 crate::choices! {
     /// Source of the samples, and with it the destination of the torque.
@@ -40,19 +42,27 @@ crate::parameters! {
         /// Pulses on a channel of an encoder up to this length are noise. No longer filter passes the default speed limit of the
         /// motor.
         encoder_filter_ns: U32 = 48 in 0..=3048, "ns";
+        /// What the outputs mean to the power stage.
+        stage_mode: StageChoice = Board;
+        /// Frequency of the pulse-width modulation.
+        pwm_frequency_hz: U32 = 20_000 in 100..=20_000, "Hz";
     }
 }
 
 impl PinParameters {
-    /// From torque to duty.
-    #[must_use]
-    pub fn duty_scale(&self) -> DutyScale {
-        DutyScale {
+    /// From torque to duties, on a board with this hardware.
+    ///
+    /// # Errors
+    /// The board doesn't have the mode of the power stage.
+    pub(super) fn modulation(&self, hardware: &PinHardware) -> Result<Modulation, ParameterError> {
+        Ok(Modulation {
+            mode: self.stage_mode.on(hardware.stage_modes)?,
+            frequency_hz: self.pwm_frequency_hz,
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,
             min: self.duty_min,
             max: self.duty_max,
             direction: self.torque_direction,
-        }
+        })
     }
 }

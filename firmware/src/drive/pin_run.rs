@@ -7,10 +7,12 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::{EncoderSample, Reference};
 
+use super::motor_direction::MotorDirection;
 use super::pin_parameters::PinParameters;
-use super::pins::PinReadings;
+use super::pins::{PinReadings, Pins};
 use super::safety::Violation;
-use crate::law::{DriveParameters, Real};
+use crate::law::{DriveParameters, ParameterError, Real};
+use crate::power_stage::Modulation;
 
 /// Longest time from the start to the first tick: longer than any period that was in force before.
 const FIRST_TICK: Duration = Duration::from_millis(150);
@@ -18,10 +20,12 @@ const FIRST_TICK: Duration = Duration::from_millis(150);
 /// Configuration and state of a run on the pins.
 pub(super) struct PinRun {
     parameters: PinParameters,
+    modulation: Modulation,
     period: Duration,
     motor_rad: f32,
     /// One count of the load encoder in rad at the motor.
     load_rad: f32,
+    reduction_ratio: f32,
     started_at: Duration,
     /// The latest readings at the start.
     first: PinReadings,
@@ -32,6 +36,11 @@ pub(super) struct PinRun {
     /// Steps before the next report.
     unreported: u16,
     twist: Option<TwistCheck>,
+    direction: MotorDirection,
+    /// Counts of the load at the first step.
+    first_load: Option<EncoderCounts>,
+    /// Counts at the last step.
+    last: Option<(EncoderCounts, EncoderCounts)>,
 }
 
 /// The twist at the first step, and where the encoders were when it was last near to it.
@@ -42,30 +51,41 @@ struct TwistCheck {
 }
 
 impl PinRun {
+    /// # Errors
+    /// The board doesn't have the mode of the power stage.
     pub(super) fn new(
         parameters: PinParameters,
         drive: &DriveParameters,
-        first: PinReadings,
+        pins: &Pins,
         now: Duration,
-    ) -> Self {
+    ) -> Result<Self, ParameterError> {
         let period = Duration::from_micros(drive.period_us.into());
-        Self {
+        Ok(Self {
+            modulation: parameters.modulation(pins.hardware())?,
             parameters,
             period,
             motor_rad: TAU / drive.motor_counts_per_rev as f32,
             load_rad: TAU / drive.load_counts_per_rev as f32 * drive.reduction_ratio,
+            reduction_ratio: drive.reduction_ratio,
             started_at: now,
-            first,
+            first: pins.readings(),
             last_due: None,
             reference: None,
             next_sequence: 0,
             unreported: 0,
             twist: None,
-        }
+            direction: MotorDirection::new(drive.torque_limit_nm),
+            first_load: None,
+            last: None,
+        })
     }
 
     pub(super) fn parameters(&self) -> &PinParameters {
         &self.parameters
+    }
+
+    pub(super) fn modulation(&self) -> Modulation {
+        self.modulation
     }
 
     pub(super) fn take_reference(&mut self, reference: Reference) {
@@ -132,6 +152,24 @@ impl PinRun {
         }))
     }
 
+    /// Checks that the motor turned as the torque of the last period says.
+    ///
+    /// # Errors
+    /// It ran away from its torque.
+    pub(super) fn check_direction(
+        &mut self,
+        sample: &EncoderSample,
+        torque_nm: f32,
+    ) -> Result<(), Violation> {
+        let (motor, load) = (sample.motor_counts, sample.load_counts);
+        let first_load = *self.first_load.get_or_insert(load);
+        let Some(last) = self.last.replace((motor, load)) else { return Ok(()) };
+        let moved = |now: EncoderCounts, then, rad: f32| now.wrapping_sub(then) as f32 * rad;
+        let moved_rad = [moved(motor, last.0, self.motor_rad), moved(load, last.1, self.load_rad)];
+        let way_rad = sample.reference_rad * self.reduction_ratio - first_load.get() as f32 * self.load_rad;
+        self.direction.check(moved_rad, way_rad, torque_nm)
+    }
+
     /// Checks that the twist is near to that of the first step. Gap and elastic twist are bounded; the twist of an encoder
     /// that stands still while the other one moves is not.
     ///
@@ -146,6 +184,9 @@ impl PinRun {
         }
         if change <= limit {
             return Ok(());
+        }
+        if let Some(violation) = self.direction.explains_twist() {
+            return Err(violation);
         }
         let moved = |now: EncoderCounts, then, rad: f32| now.wrapping_sub(then).unsigned_abs() as f32 * rad;
         let motor_moved_less =

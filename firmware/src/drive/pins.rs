@@ -9,7 +9,7 @@ use lashloop_protocol::enums::Outcome;
 use super::refusal::Refusal;
 use crate::input_filter::filter_for;
 use crate::law::{DriveParameters, ParameterError, ROUNDING};
-use crate::power_stage::PowerStageFault;
+use crate::power_stage::{PowerStageFault, StageMode};
 
 /// Limits of the hardware of bench mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,8 @@ pub struct PinHardware {
     pub largest_move_counts: u16,
     /// Lengths of the filters that the inputs of an encoder can have, in ns, ascending.
     pub filters_ns: &'static [f32],
+    /// Modes that the outputs to the power stage can have, that of the parameters' defaults first.
+    pub stage_modes: &'static [StageMode],
     /// Longest period of the tick, in us.
     pub longest_period_us: u32,
 }

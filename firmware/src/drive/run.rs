@@ -130,10 +130,12 @@ impl<L: LawSet> Run<L> {
                 return Some(PinStep { sample: None, is_reported: false, fault: Some(violation) });
             }
         };
+        let held_nm = self.torque_nm;
         let torque = self.step(&sample, 1);
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
         let torque = torque.and_then(|torque| {
+            pins.check_direction(&sample, held_nm)?;
             pins.check_twist(&sample, self.control.twist_rad())?;
             pins.check_end(due, now)?;
             Ok(torque)

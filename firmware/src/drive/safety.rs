@@ -9,6 +9,7 @@
 //! | torque beyond `torque_limit_nm` | clamped and flagged |
 //! | `EmergencyStop` | fault |
 //! | bench mode: fault of the power stage, lost encoder, missing or late tick | fault, see `pin_run` |
+//! | bench mode: motor that runs away from its torque | fault, see `motor_direction` |
 //! | bench mode: implausible encoder or fault of the power stage before the start | not armed, see `pins` |
 //!
 //! A fault sets the torque to zero at once and stays latched until `ClearFault`. Time is device time.

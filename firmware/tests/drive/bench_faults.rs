@@ -249,3 +249,18 @@ fn an_emergency_stop_turns_the_stage_off_at_once() {
     host.send(EmergencyStop {});
     assert_eq!((host.stage_nm(), host.drive.state()), (None, State::Faulted));
 }
+
+#[test]
+fn reports_that_nobody_takes_displace_no_fault() {
+    let mut host = PinHost::running(&[("watchdog_us", ParameterValue::U32(1_000_000))]);
+    host.refer(1.0);
+    for _ in 0..100 {
+        host.clock.set(host.due);
+        host.drive.sample(&host.readings, host.due, &host.clock);
+        host.due += PERIOD;
+    }
+    host.readings.stage_fault = Some(PowerStageFault::FaultLine);
+    let answers = host.tick();
+    assert!(answers.len() < 100, "more reports than the buffer holds: {}", answers.len());
+    host.assert_faulted(&answers, FaultCode::PowerStage);
+}

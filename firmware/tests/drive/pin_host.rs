@@ -6,7 +6,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock, PinHardware, PinParameters, PinReadings};
 use lashloop_firmware::input_filter::FILTERS_NS;
 use lashloop_firmware::law::{LawSet, Parameter, ParameterGroup};
-use lashloop_firmware::power_stage::StageCommand;
+use lashloop_firmware::power_stage::{StageCommand, StageMode};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, BenchSample, FaultReport, ParameterReport, Reference, Reset, SetParameter, Start,
@@ -18,8 +18,12 @@ use crate::line::{self, Line};
 
 pub const PERIOD: Duration = Duration::from_millis(1);
 /// Counters of 16 bits, and a timer of 16 bits that counts microseconds.
-pub const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: 32_767, filters_ns: &FILTERS_NS, longest_period_us: 65_535 };
+pub const HARDWARE: PinHardware = PinHardware {
+    largest_move_counts: 32_767,
+    filters_ns: &FILTERS_NS,
+    stage_modes: &[StageMode::Amplifier],
+    longest_period_us: 65_535,
+};
 
 pub const BENCH: [(&str, ParameterValue); 3] = [
     ("sample_source", ParameterValue::U32(1)),

@@ -191,6 +191,7 @@ fn no_history_violates_an_invariant() {
         FaultCode::MotorEncoderLost,
         FaultCode::LoadEncoderLost,
         FaultCode::TickOverrun,
+        FaultCode::MotorAgainstTorque,
     ];
     let missing: Vec<_> = FaultCode::ALL
         .iter()

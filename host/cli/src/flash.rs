@@ -20,6 +20,7 @@ use lashloop::rig::file::Loader;
 use lashloop::rig::lock::RigLock;
 use lashloop::rig::way::Way;
 use lashloop_hardware::flash::confirmation::Expected;
+use lashloop_hardware::flash::image::chip_of;
 use lashloop_hardware::flash::program::Runner;
 use lashloop_hardware::flash::{FlashError, Image, Target, confirmation, way, writer};
 use lashloop_hardware::ports;
@@ -97,7 +98,7 @@ impl Arguments {
         let loader_port = self.loader_port.or(port);
         let has_loader_port = loader_port.is_some();
         let mut target = Target {
-            chip,
+            chip: chip.unwrap_or_else(|| chip_of(&expected.board).to_owned()),
             probe: self.probe.or(probe),
             under_reset: true,
             loader_port: loader_port.or_else(terminal),

@@ -85,6 +85,9 @@ impl Reply {
             }
             (Outcome::PowerStageFault, 1) => "the break input is active".to_owned(),
             (Outcome::PowerStageFault, 2) => "the fault line is active".to_owned(),
+            (Outcome::PowerStageFault, 3) => "its supply is missing: is it switched on?".to_owned(),
+            (Outcome::PowerStageFault, 4) => "overcurrent".to_owned(),
+            (Outcome::PowerStageFault, 5) => "overtemperature".to_owned(),
             (Outcome::EncoderImplausible, 1) => "the encoders were not read since power-up".to_owned(),
             (Outcome::EncoderImplausible, 2) => "the motor encoder moved too fast".to_owned(),
             (Outcome::EncoderImplausible, 3) => "the load encoder moved too fast".to_owned(),

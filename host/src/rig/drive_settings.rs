@@ -5,6 +5,7 @@
 
 use lashloop_bench::scenario::bench::key_of_pin;
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
+use lashloop_bench::scenario::declare::Named as _;
 use lashloop_bench::scenario::{Origin, Scenario};
 use lashloop_protocol::enums::ParameterValue as WireValue;
 use lashloop_session::Parameter;
@@ -32,12 +33,14 @@ pub struct PinSetting {
 }
 
 /// Parameters that describe the pins.
-const OF_PINS: [&str; 8] = [
+const OF_PINS: [&str; 10] = [
     "torque_per_duty_nm",
     "torque_direction",
     "duty_offset",
     "duty_min",
     "duty_max",
+    "stage_mode",
+    "pwm_frequency_hz",
     "motor_direction",
     "load_direction",
     "encoder_filter_ns",
@@ -67,6 +70,11 @@ impl Rig {
             ("power_stage.duty_offset", number(power_stage.duty_offset)),
             ("power_stage.duty_min", number(power_stage.duty_min)),
             ("power_stage.duty_max", number(power_stage.duty_max)),
+            (
+                "power_stage.mode",
+                power_stage.mode.map(|mode| ParameterValue::Text(mode.choice().name.to_owned())),
+            ),
+            ("power_stage.frequency_hz", number(power_stage.frequency_hz.map(f64::from))),
             ("encoders.motor_direction", direction(encoders.motor_direction)),
             ("encoders.load_direction", direction(encoders.load_direction)),
             ("encoders.filter_ns", number(encoders.filter_ns.map(f64::from))),
@@ -243,7 +251,7 @@ mod tests {
         let text = RIG.replace(
             "[encoders]\n",
             "[power_stage]\ntorque_per_duty_nm = 62.5\nduty_offset = 0.5\nduty_min = 0.1\nduty_max = 0.9\n\
-             [encoders]\nload_direction = \"normal\"\nfilter_ns = 48\n",
+             mode = \"amplifier\"\nfrequency_hz = 5000\n[encoders]\nload_direction = \"normal\"\nfilter_ns = 48\n",
         );
         Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"))
     }

@@ -26,8 +26,6 @@ const WATCHDOG_US: u32 = 100_000;
 const TWIST_RAD: f64 = 20.0;
 /// Smallest scale of the drive, in both directions.
 const SMALLEST_SCALE_NM: f64 = 1e-3;
-/// The chip of the boards that Lashloop supports, as probe-rs names it.
-const CHIP: &str = "STM32F405RGTx";
 
 const PAGE: &str = "\
 # Rig files
@@ -126,6 +124,10 @@ settings! {
     /// `[power_stage]`: from torque to duty. The levels of enable, ready and fault pins are those of the board's file.
     #[derive(Debug, Clone, Default, PartialEq)]
     pub struct PowerStage {
+        /// What the outputs of the drive mean to the power stage.
+        pub mode: Option<StageMode> = choice().optional(),
+        /// Frequency of the pulse-width modulation.
+        pub frequency_hz: Option<u32> = integer(100..=20_000).optional(),
         /// Torque at the motor for a duty of 1 more than `duty_offset`; negative if the amplifier turns the other way. At
         /// an offset of 0.5, full duty has half of it.
         pub torque_per_duty_nm: Option<f64> = number(-1e5..=1e5).optional(),
@@ -135,6 +137,22 @@ settings! {
         pub duty_min: Option<f64> = number(0.0..=1.0).optional(),
         /// Largest duty of the amplifier, at least `duty_offset`.
         pub duty_max: Option<f64> = number(0.0..=1.0).optional(),
+    }
+}
+
+settings! {
+    /// Mode of a power stage, by the names of the drive's parameter.
+    pub enum StageMode {
+        /// one pulse, whose duty is the command of a servo amplifier
+        "amplifier" => Amplifier,
+        /// a pulse for the size of the torque, and a level for its direction
+        "pwm-dir" => PwmDirection,
+        /// two inputs, a pulse at that of the direction; the motor coasts between pulses
+        "two-pwm-coast" => TwoPwmCoast,
+        /// two inputs, low pulses at that against the direction; the motor brakes between pulses
+        "two-pwm-brake" => TwoPwmBrake,
+        /// two half-bridges against each other, with a dead time
+        "complementary" => Complementary,
     }
 }
 
@@ -163,12 +181,12 @@ settings! {
 
 settings! {
     /// `[loader]`: how firmware gets onto the chip.
-    #[derive(Debug, Clone, PartialEq, Eq)]
+    #[derive(Debug, Clone, Default, PartialEq, Eq)]
     pub struct Loader {
         /// The way; absent for the first available one, in this order.
         pub via: Option<Way> = choice().optional(),
-        /// The chip, as probe-rs names it; `STM32F405RGTx` if absent.
-        pub chip: String = any_text().map(|chip, _| chip.unwrap_or_else(|| CHIP.to_owned())),
+        /// The chip, as probe-rs names it; that of the image's board if absent.
+        pub chip: Option<String> = any_text(),
         /// The debug probe, as `VID:PID:SERIAL`; absent for the only one.
         pub probe: Option<String> = any_text(),
         /// Path of the terminal at USART1 or USART3 of the chip, where its ROM loader listens; that of the drive if absent.
@@ -260,8 +278,24 @@ impl PowerStage {
             );
             stage.reject("torque_per_duty_nm", reason);
         }
+        let offset_of_mode = match self.mode {
+            None | Some(StageMode::Amplifier) => None,
+            Some(StageMode::Complementary) => Some(0.5),
+            Some(StageMode::PwmDirection | StageMode::TwoPwmCoast | StageMode::TwoPwmBrake) => Some(0.0),
+        };
+        let mut this = self;
+        if let Some(offset) = offset_of_mode {
+            if this.duty_offset.is_some_and(|given| given != offset) {
+                stage.reject(
+                    "duty_offset",
+                    format!("is another duty than {offset}, which is no torque in this mode"),
+                );
+            }
+            this.duty_offset = Some(offset);
+            this.duty_min = this.duty_min.or((offset == 0.0).then_some(0.0));
+        }
         let [min, offset, max] =
-            [("duty_min", self.duty_min), ("duty_offset", self.duty_offset), ("duty_max", self.duty_max)]
+            [("duty_min", this.duty_min), ("duty_offset", this.duty_offset), ("duty_max", this.duty_max)]
                 .map(|(name, given)| given.unwrap_or_else(|| pin_default(name)));
         if min > offset || offset > max {
             stage.reject_section(format!(
@@ -269,7 +303,7 @@ impl PowerStage {
                  duty of no torque and lies between the others"
             ));
         }
-        self
+        this
     }
 }
 
@@ -281,12 +315,6 @@ pub fn pin_default(name: &str) -> f64 {
         // Decimal, as it is written: neither precision has 0.1.
         Some(ParameterValue::F32(default)) => default.to_string().parse().unwrap_or(f64::NAN),
         _ => f64::NAN,
-    }
-}
-
-impl Default for Loader {
-    fn default() -> Self {
-        Self { via: None, chip: CHIP.to_owned(), probe: None, port: None }
     }
 }
 

@@ -20,7 +20,8 @@ wire_list! {
         /// The processor took a fault exception, `detail` is the program counter; or an unexpected interrupt, `detail` is
         /// its number.
         ProcessorFault = 8,
-        /// Bench mode: the power stage reported a fault. `detail` is 1 for the break input and 2 for the fault line.
+        /// Bench mode: the power stage reported a fault. `detail` is 1 for the break input, 2 for the fault line, 3 for a missing
+        /// supply, 4 for overcurrent, 5 for overtemperature.
         PowerStage = 9,
         /// Bench mode: the motor encoder stands still while the load moves, `value` and `limit` in rad; or its channels changed
         /// at once, `detail` is the number of times.
@@ -30,5 +31,8 @@ wire_list! {
         LoadEncoderLost = 11,
         /// Bench mode: a control step ended after its period, or was missing. `value` and `limit` in seconds.
         TickOverrun = 12,
+        /// Bench mode: the motor ran away from its torque. `value` and `limit` in rad; `detail` is 1 if the load turned with the
+        /// motor, 2 if it turned against it, otherwise 0.
+        MotorAgainstTorque = 13,
     }
 }

@@ -22,7 +22,7 @@ wire_list! {
         /// The parameters, each within its range, contradict each other. `detail` is the index of one that doesn't go with the
         /// others.
         Inconsistent = 9,
-        /// Bench mode: the power stage reports a fault. `detail` is 1 for the break input and 2 for the fault line.
+        /// Bench mode: the power stage reports a fault. `detail` is as in [`FaultCode::PowerStage`](super::FaultCode::PowerStage).
         PowerStageFault = 10,
         /// Bench mode: the readings of an encoder allow no torque. `detail` is 1 if the encoders were not read yet, 2 or 3 if the
         /// motor or the load encoder moved faster than is plausible, 4 or 5 if both its channels changed at once.

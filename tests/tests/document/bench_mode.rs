@@ -175,6 +175,20 @@ fn happen(event: &str) -> Vec<(FaultCode, Vec<DriveMessage>, PinHost)> {
             after(FaultCode::MotorEncoderLost, |host| host.readings.motor.illegal_transitions = 1),
             after(FaultCode::LoadEncoderLost, |host| host.readings.load.illegal_transitions = 1),
         ],
+        "optional:" => {
+            let mut host = PinHost::running(&[]);
+            host.refer(1.0);
+            let (mut at, mut speed, mut answers) = (0, 0, host.tick());
+            // A quarter of a load that turns with the motor, and a positive torque.
+            while host.drive.state() == State::Running {
+                speed -= 100;
+                at += speed;
+                host.turn(at * 3, at);
+                host.refer(1.0);
+                answers = host.tick();
+            }
+            vec![(FaultCode::MotorAgainstTorque, answers, host)]
+        }
         "a" => {
             let mut late = PinHost::under_torque();
             let answers = late.tick_after(PERIOD + Duration::from_nanos(1));

@@ -168,6 +168,8 @@ torque_per_duty_nm = 5.0
 duty_offset = 0.5
 duty_min = 0.1
 duty_max = 0.9
+mode = "amplifier"
+frequency_hz = 5000
 [limits]
 torque_nm = 5.0
 motor_speed_rad_s = 300.0

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use lashloop_conformance::{CheckResult, CheckStatus};
 use lashloop_firmware::drive::{Clock, Drive, PinHardware, PinReadings};
 use lashloop_firmware::input_filter::FILTERS_NS;
+use lashloop_firmware::power_stage::StageMode;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{Arm, CommandResult, EnterLoader, Reference};
@@ -15,8 +16,12 @@ use lashloop_protocol::{Decoder, DriveMessage, Message};
 use crate::laws::TestLaws;
 use crate::{BENCH_MODE, results};
 
-const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: 32_767, filters_ns: &FILTERS_NS, longest_period_us: 65_535 };
+const HARDWARE: PinHardware = PinHardware {
+    largest_move_counts: 32_767,
+    filters_ns: &FILTERS_NS,
+    stage_modes: &[StageMode::Amplifier],
+    longest_period_us: 65_535,
+};
 /// Time between two looks of the drive at its pins and its watchdog.
 const TICK: Duration = Duration::from_millis(1);
 

@@ -168,6 +168,7 @@ fn the_seeds_of_the_drive_reach_every_cell_of_the_state_table() {
         FaultCode::MotorEncoderLost,
         FaultCode::LoadEncoderLost,
         FaultCode::TickOverrun,
+        FaultCode::MotorAgainstTorque,
     ];
     let codes = FaultCode::ALL.iter().filter(|code| !others.contains(code)).map(|code| format!("{code:?}"));
     assert_eq!(faults, codes.collect());

@@ -61,21 +61,45 @@ pub(crate) fn reports_every_fourth_step() {
     assert!(changes > 400, "{changes} of 500 reports differ from the one before");
 }
 
-/// The image names its board, and virtual silicon has the pins there.
-pub(crate) fn second_board() {
+/// The images of the boards besides the bare one.
+const OTHER_BOARDS: [&str; 2] = ["odrive-v3", "nucleo-f446re"];
+
+/// A run of 0.3 s on the image of a board, or elsewhere.
+fn short_run(scenario: &str, device: &str) -> Records {
     let records = Records::new();
-    let (path, out) = (format!("scenarios/{SMOOTH_AFTER}.toml"), records.out());
-    let image = tests::workspace().join("target/lashloop-firmware-odrive-v3.elf");
-    let device = format!("silicon:{}", image.display());
+    let (path, out) = (format!("scenarios/{scenario}.toml"), records.out());
     let settings = ["--set", "run.duration_s=0.3", "--set", "expect=[]"];
-    let arguments = [&["run", &path, "--device", &device, "--out", &out], &settings[..], &PATIENCE].concat();
+    let arguments = [&["run", &path, "--device", device, "--out", &out], &settings[..], &PATIENCE].concat();
     let _ = program::run(arguments).with_code(0);
-    let summary = records.summary();
-    let device = summary["device"].as_str().expect("the device");
-    assert!(device.contains("(odrive-v3, firmware "), "{device}");
-    // The load moves by counts of the encoder that the board has at other pins.
-    let load_rad = records.trace().column("load_position_rad");
-    assert!((load_rad[299] - load_rad[0]).abs() > 1e-3, "{} rad", load_rad[299] - load_rad[0]);
+    records
+}
+
+fn silicon_of(board: &str) -> String {
+    format!("silicon:{}", tests::workspace().join(format!("target/lashloop-firmware-{board}.elf")).display())
+}
+
+/// The image names its board, and virtual silicon has the pins there.
+pub(crate) fn other_boards() {
+    for board in OTHER_BOARDS {
+        let records = short_run(SMOOTH_AFTER, &silicon_of(board));
+        let summary = records.summary();
+        let device = summary["device"].as_str().expect("the device");
+        assert!(device.contains(&format!("({board}, firmware ")), "{device}");
+        // The load moves by counts of the encoder that the board has at other pins.
+        let load_rad = records.trace().column("load_position_rad");
+        assert!((load_rad[299] - load_rad[0]).abs() > 1e-3, "{} rad", load_rad[299] - load_rad[0]);
+    }
+}
+
+/// A simulated plant gives the same torques to every chip.
+pub(crate) fn hil_of_other_boards() {
+    let digest = |device: &str| {
+        short_run("smooth-after", device).summary()["torque_sha256"].as_str().expect("a digest").to_owned()
+    };
+    let want = digest("inproc");
+    for board in OTHER_BOARDS {
+        assert_eq!(digest(&silicon_of(board)), want, "{board}");
+    }
 }
 
 pub(crate) fn fails() {

@@ -1,4 +1,4 @@
-//! The unmodified Cortex-M image on virtual silicon: register-level models of its chip, with an 8 MHz crystal.
+//! The unmodified Cortex-M image on virtual silicon: register-level models of its chip.
 //!
 //! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
 //! doesn't. The models are made from the manual and aren't hardware.
@@ -26,7 +26,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 17] = [
+const TRIALS: [(&str, Check); 18] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -36,7 +36,8 @@ const TRIALS: [(&str, Check); 17] = [
     ("bench_mode::a_run_repeats_bit_for_bit", bench_mode::repeats),
     ("bench_mode::the_image_passes_every_check_of_bench_mode", bench_mode::conforms),
     ("bench_mode::a_run_at_4_khz_takes_every_fourth_report", bench_mode::reports_every_fourth_step),
-    ("bench_mode::the_second_board_runs_on_its_own_pins", bench_mode::second_board),
+    ("bench_mode::other_boards_run_on_their_own_pins", bench_mode::other_boards),
+    ("bench_mode::other_boards_have_the_torques_of_the_process", bench_mode::hil_of_other_boards),
     ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),
     ("bench_mode::a_silent_host_trips_the_watchdog", bench_mode::unplugged_for_a_while),
     ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),

@@ -7,6 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use lashloop_protocol::frame::DELIMITER;
+use lashloop_silicon::chip::CRYSTAL_HZ;
 use lashloop_silicon::drive_train::DriveTrain;
 use lashloop_silicon::machine::Ended;
 use lashloop_silicon::pins::{Bridge, Pins};
@@ -22,6 +23,8 @@ use crate::turntable::{self, Speeds};
 pub const MOTOR_COUNTER: u64 = 0x4000_0424;
 /// Status of the tick, TIM5, which its task clears first and reads at its end.
 pub const TICK_STATUS: u64 = 0x4000_0c10;
+/// Option register of TIM5, which connects a channel to the low-speed oscillator.
+pub const TICK_OPTION: u64 = 0x4000_0c50;
 /// Time from power-up to the first turn of the surroundings.
 const FIRST_TURN: Duration = Duration::from_micros(50);
 
@@ -49,6 +52,8 @@ pub struct Log {
     pub arrivals: Vec<Arrival>,
     /// Starts of a step: writes to [`TICK_STATUS`].
     pub ticks: Vec<Duration>,
+    /// Writes to [`TICK_OPTION`].
+    pub lsi_selections: usize,
     /// Readings of [`MOTOR_COUNTER`], with the counts of both encoders at that instant.
     pub readings: Vec<(Duration, i64, i64)>,
 }
@@ -66,7 +71,8 @@ pub enum Command {
 pub struct Site {
     pub train: DriveTrain,
     pub log: Log,
-    has_crystal: bool,
+    /// `None` for a crystal that doesn't start.
+    crystal_hz: Option<u64>,
     commands: Receiver<Command>,
     until: Duration,
     /// Takes the device time of a frame of the chip.
@@ -105,7 +111,11 @@ impl Surroundings for Site {
     }
 
     fn crystal_starts(&self) -> bool {
-        self.has_crystal
+        self.crystal_hz.is_some()
+    }
+
+    fn crystal_hz(&self) -> u64 {
+        self.crystal_hz.unwrap_or(CRYSTAL_HZ)
     }
 
     fn bridge_changed(&mut self, at: Duration, bridge: Bridge) {
@@ -119,6 +129,7 @@ impl Surroundings for Site {
     fn accessed(&mut self, at: Duration, register: u64, kind: AccessKind) {
         match (register, kind) {
             (TICK_STATUS, AccessKind::Write) => self.log.ticks.push(at),
+            (TICK_OPTION, AccessKind::Write) => self.log.lsi_selections += 1,
             (MOTOR_COUNTER, AccessKind::Read) => {
                 self.log.readings.push((
                     at,
@@ -143,28 +154,33 @@ impl Bench {
     /// Powers up a chip with this image, with encoders at these counts.
     pub fn power_up(image: &Symbols, counts: (i64, i64)) -> Self {
         let speeds = Speeds::default();
-        let mut bench = Self::new(image, turntable::drive_train(&speeds, counts), true);
+        let mut bench = Self::new(image, turntable::drive_train(&speeds, counts), Some(CRYSTAL_HZ));
         bench.speeds = speeds;
         bench
     }
 
     /// As [`Self::power_up`], with this drive train, which takes no speeds.
     pub fn with_train(image: &Symbols, train: DriveTrain) -> Self {
-        Self::new(image, train, true)
+        Self::new(image, train, Some(CRYSTAL_HZ))
     }
 
     /// As [`Self::power_up`], with a crystal that doesn't start.
     pub fn without_crystal(image: &Symbols) -> Self {
-        Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), false)
+        Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), None)
     }
 
-    fn new(image: &Symbols, train: DriveTrain, has_crystal: bool) -> Self {
+    /// As [`Self::power_up`], with another crystal.
+    pub fn with_crystal(image: &Symbols, crystal_hz: u64) -> Self {
+        Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), Some(crystal_hz))
+    }
+
+    fn new(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>) -> Self {
         let board = image.board().expect("an image").expect("the image names its board");
         let wiring = Wiring::of_board(&board).expect("the pins of the board");
         let machine = Machine::power_up(image, wiring, |commands| Site {
             train,
             log: Log::default(),
-            has_crystal,
+            crystal_hz,
             commands,
             until: Duration::ZERO,
             on_frame: None,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
-use lashloop_protocol::message::Stop;
+use lashloop_protocol::message::{ClearFault, Stop};
 use lashloop_silicon::wiring::{Encoder, Wiring};
 
 use crate::bench::odrive_image;
@@ -77,19 +77,51 @@ fn an_odrive_counts_its_encoders() {
 #[test]
 fn the_fault_line_of_an_odrive_refuses_to_arm_and_stops_a_run_within_a_period() {
     let mut host = idle();
-    host.bench.act(|chip, _| chip.drive_fault_line(false));
-    host.bench.advance(Duration::from_millis(2));
-    assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 2), "the fault line");
-    host.bench.act(|chip, _| chip.drive_fault_line(true));
-    host.bench.advance(Duration::from_millis(2));
-    host.run_under_torque();
-    let instant = host.bench.now();
-    host.bench.act(|chip, _| chip.drive_fault_line(false));
-    host.steps(3, 1.0);
-    let off = host.bench.time_to_off(instant).expect("the bridge off");
-    assert!(off <= Duration::from_millis(1), "{off:?}");
-    let [fault] = host.faults()[..] else { panic!("one fault") };
-    assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 2));
+    // Bits of the gate driver's status, with the detail of its fault.
+    for (status, detail) in [(0, 2), (1 << 8, 3), (1 << 9, 3), (1 << 5, 4), (1, 4), (1 << 7, 5)] {
+        set_fault(&mut host, Some(status));
+        host.bench.advance(Duration::from_millis(6));
+        assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, detail), "{status:#x}");
+        set_fault(&mut host, None);
+        host.bench.advance(Duration::from_millis(6));
+        host.run_under_torque();
+        let instant = host.bench.now();
+        set_fault(&mut host, Some(status));
+        host.steps(3, 1.0);
+        let off = host.bench.time_to_off(instant).expect("the bridge off");
+        assert!(off <= Duration::from_millis(1), "{off:?}");
+        let [fault] = host.faults()[..] else { panic!("one fault") };
+        assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, detail), "{status:#x}");
+        set_fault(&mut host, None);
+        assert_eq!(host.command(ClearFault {}), (Outcome::Accepted, State::Idle));
+    }
+}
+
+/// Pulls the fault line with this status of the gate driver, or releases it.
+fn set_fault(host: &mut Host, status: Option<u16>) {
+    host.bench.act(move |chip, _| {
+        chip.gate_driver().expect("a gate driver").set_status(status.unwrap_or(0));
+        chip.drive_fault_line(status.is_none());
+    });
+}
+
+#[test]
+fn a_supply_that_comes_late_or_goes_leaves_no_gate_driver_without_its_limit() {
+    let mut host = idle();
+    let set_supply = |host: &mut Host, has_supply| {
+        host.bench.act(move |chip, _| chip.gate_driver().expect("a gate driver").set_supply(has_supply));
+        host.bench.advance(Duration::from_millis(6));
+    };
+    for _ in 0..2 {
+        set_supply(&mut host, false);
+        assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 3));
+        set_supply(&mut host, true);
+        // 0.73 V, latched.
+        let control = host.bench.act(|chip, _| chip.gate_driver().expect("a gate driver").control());
+        assert_eq!(control, 21 << 6 | 1 << 4);
+        host.run();
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+    }
 }
 
 #[test]

@@ -10,17 +10,45 @@ use lashloop_silicon::thumb::{Code, FOREVER};
 use crate::bench::{Bench, image};
 use crate::host::{Host, SESSION};
 
-#[test]
-fn the_image_boots_from_the_crystal_with_every_pin_connected() {
-    let mut bench = Bench::power_up(&image(), (0, 0));
+/// Mean period of the tick in 0.2 s after power-up, and the number of periods.
+fn period(bench: &mut Bench) -> (Duration, usize) {
     bench.advance(Duration::from_millis(200));
-    assert_eq!(bench.act(|chip, _| chip.misconfigured()), [""; 0]);
-    // 1 ms of the crystal, exact; the oscillator inside the chip is not.
     let ticks = bench.act(|_, site| site.log.ticks.clone());
     let periods: Vec<_> = ticks.windows(2).map(|pair| pair[1] - pair[0]).skip(1).collect();
-    assert!(periods.len() > 150, "{} ticks", periods.len());
-    let mean = periods.iter().sum::<Duration>() / u32::try_from(periods.len()).expect("few");
-    assert!(mean.abs_diff(Duration::from_millis(1)) < Duration::from_nanos(50), "{mean:?}");
+    (periods.iter().sum::<Duration>() / u32::try_from(periods.len().max(1)).expect("few"), periods.len())
+}
+
+#[test]
+fn the_image_boots_from_every_known_crystal_at_one_speed_with_every_pin_connected() {
+    for crystal_hz in [8_000_000, 12_000_000, 16_000_000, 25_000_000] {
+        let mut bench = Bench::with_crystal(&image(), crystal_hz);
+        // 1 ms of the crystal, exact; the oscillator inside the chip is not.
+        let (mean, count) = period(&mut bench);
+        assert!(count > 150, "{crystal_hz} Hz: {count} periods");
+        assert!(
+            mean.abs_diff(Duration::from_millis(1)) < Duration::from_nanos(50),
+            "{crystal_hz} Hz: {mean:?}"
+        );
+        assert_eq!(bench.act(|chip, _| chip.misconfigured()), [""; 0]);
+        let (is_internal, selections) =
+            bench.act(|chip, site| (chip.clocks_are_internal(), site.log.lsi_selections));
+        assert!(!is_internal, "{crystal_hz} Hz");
+        assert_eq!(selections, 1, "the models don't show which input the image measures");
+    }
+}
+
+#[test]
+fn a_crystal_of_another_frequency_is_not_used() {
+    for crystal_hz in [4_000_000, 7_500_000, 8_600_000, 10_000_000, 14_000_000, 20_000_000] {
+        let mut host = Host::of(Bench::with_crystal(&image(), crystal_hz));
+        let logs = host.take(|message| match message {
+            DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
+            _ => None,
+        });
+        assert_eq!(logs, ["no known crystal: clock 1% RC, no bench mode"], "{crystal_hz} Hz");
+        assert!(host.bench.act(|chip, _| chip.clocks_are_internal()), "{crystal_hz} Hz");
+        assert!(!host.names().iter().any(|name| name == "sample_source"), "{crystal_hz} Hz");
+    }
 }
 
 #[test]

@@ -13,8 +13,8 @@ use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, UNDEFINED};
 use lashloop_silicon::wiring::Encoder;
 
 use crate::failures::{
-    FLAG, PLACE, interrupting, locking_up, never_ending, panicking, returning_the_flag, serving_no_more,
-    stopping_the_tick, taking_time,
+    FLAG, PLACE, interrupting, locking_up, never_ending, overflowing, panicking, returning_the_flag,
+    serving_no_more, stopping_the_tick, taking_time,
 };
 use crate::host::{Host, SESSION};
 
@@ -85,11 +85,17 @@ const STOPPED: Cause = Cause {
     ..IN_HANDLER
 };
 
-pub const CAUSES: [Cause; 19] = [
+pub const CAUSES: [Cause; 20] = [
     Cause { name: "panic", code: Some(panicking), fault: Some(FaultCode::Panic), ..IN_HANDLER },
     Cause {
         name: "HardFault",
         code: Some(|_| Code::default().halfword(UNDEFINED)),
+        fault: Some(FaultCode::ProcessorFault),
+        ..IN_HANDLER
+    },
+    Cause {
+        name: "stack overflow",
+        code: Some(overflowing),
         fault: Some(FaultCode::ProcessorFault),
         ..IN_HANDLER
     },

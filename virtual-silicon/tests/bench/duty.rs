@@ -6,10 +6,16 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{BenchSample, Stop};
 use lashloop_silicon::pins::Bridge;
 
-use crate::bench::image;
+use crate::bench::{image, odrive_image};
 use crate::host::{BENCH, Host};
 
-const OFF: Bridge = Bridge { duty: None, is_enabled: false, has_main_output: false, has_active_gate: false };
+const OFF: Bridge = Bridge {
+    duty: None,
+    channels: [Some(0.0), None],
+    is_enabled: false,
+    has_main_output: false,
+    has_active_gate: false,
+};
 /// Half a count of the modulation, and the nanosecond of the pulse's reading.
 const RESOLUTION: f64 = 0.5 / 8_400.0 + 1.0 / 50_000.0;
 
@@ -67,6 +73,114 @@ fn the_duty_is_the_offset_plus_the_torque_over_its_scale() {
     }
 }
 
+/// Outputs of a mode for a torque as a fraction of full duty: channels 1 and 2.
+type Levels = fn(f64) -> [f64; 2];
+
+/// The modes of a stage whose duty is the size of the torque, by the values of the parameter, with the levels of its inputs.
+const BRIDGES: [(u32, Levels); 3] = [
+    (2, |torque| [torque.abs(), if torque < 0.0 { 0.0 } else { 1.0 }]),
+    (3, |torque| [torque.max(0.0), (-torque).max(0.0)]),
+    (4, |torque| [1.0 - (-torque).max(0.0), 1.0 - torque.max(0.0)]),
+];
+
+#[test]
+fn every_mode_of_a_bridge_drives_its_inputs_at_every_tick_and_pulls_them_low_when_off() {
+    let mut host = Host::idle(&image(), &[]);
+    for (mode, levels) in BRIDGES {
+        for frequency_hz in [20_000, 1_000] {
+            for (name, value) in [
+                ("stage_mode", ParameterValue::U32(mode)),
+                ("pwm_frequency_hz", ParameterValue::U32(frequency_hz)),
+                ("duty_offset", ParameterValue::F32(0.0)),
+                ("duty_min", ParameterValue::F32(0.0)),
+                ("duty_max", ParameterValue::F32(0.95)),
+            ] {
+                assert_eq!(host.set(name, value), Outcome::Accepted, "{name}");
+            }
+            let case = format!("mode {mode} at {frequency_hz} Hz");
+            host.run();
+            host.bench.advance(Duration::from_micros(10));
+            assert_driven(&host.bench.bridge(), levels(0.0), &case);
+            let mut torques = Vec::new();
+            // The last one is beyond the limit: a run that follows must not begin with its duty.
+            for reference_rad in [0.0, 0.02, -0.02, 0.3, 0.05, -1_000.0] {
+                // The outputs follow in the next period of the modulation, which may be as long as the tick.
+                let sample = *host.steps(5, reference_rad).last().expect("samples");
+                torques.push(sample.torque_nm);
+                let want = levels(f64::from(sample.torque_nm) / 100.0);
+                assert_driven(&host.bench.bridge(), want, &format!("{case}, {} N m", sample.torque_nm));
+            }
+            assert!(torques.iter().any(|it| *it > 0.0) && torques.iter().any(|it| *it < 0.0), "{torques:?}");
+            let period = host.bench.act(|chip, _| chip.modulation_period()).expect("a pulse");
+            let error = period.as_secs_f64() * f64::from(frequency_hz) - 1.0;
+            assert!(error.abs() < 1e-4, "{case}: a period of {period:?}");
+            assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+            let off = host.bench.bridge();
+            assert_eq!((off.channels, off.is_on()), ([Some(0.0); 2], false), "{case}: coasts while off");
+        }
+    }
+}
+
+fn assert_driven(bridge: &Bridge, want: [f64; 2], case: &str) {
+    assert!(bridge.is_enabled && bridge.has_main_output, "{case}: off");
+    for (have, want) in bridge.channels.into_iter().zip(want) {
+        let have = have.unwrap_or_else(|| panic!("{case}: an output that isn't driven"));
+        assert!((have - want).abs() <= RESOLUTION, "{case}: {:?} instead of {want}", bridge.channels);
+    }
+}
+
+#[test]
+fn a_run_after_a_saturated_one_begins_without_torque() {
+    for (mode, offset, none) in [(0, 0.5, [Some(0.5), None]), (2, 0.0, [Some(0.0), Some(1.0)])] {
+        let parameters = [
+            ("stage_mode", ParameterValue::U32(mode)),
+            ("duty_offset", ParameterValue::F32(offset)),
+            ("duty_min", ParameterValue::F32(0.0)),
+        ];
+        let mut host = Host::running(&image(), &parameters);
+        assert_eq!(step(&mut host, 1_000.0).0.status.flags, TorqueFlags::SATURATED);
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+        let stopped = host.bench.now();
+        host.run();
+        host.bench.advance(Duration::from_millis(3));
+        let bridge = host.bench.act(|_, site| site.log.bridge.clone());
+        let on: Vec<_> = bridge.iter().filter(|(at, it)| *at > stopped && it.has_main_output).collect();
+        assert!(!on.is_empty());
+        assert!(on.iter().all(|(_, it)| it.channels == none), "mode {mode}: {on:?}");
+    }
+}
+
+#[test]
+fn two_half_bridges_of_a_bare_board_never_conduct_at_once() {
+    let mut host = Host::running(&image(), &[("stage_mode", ParameterValue::U32(5))]);
+    // 84 cycles of 168 MHz.
+    let dead_time = 84.0 / 8_400.0;
+    for reference_rad in [0.0, 0.2, -0.4] {
+        let sample = *host.steps(3, reference_rad).last().expect("samples");
+        let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
+        let halves = host.bench.act(|chip, _| chip.half_bridges());
+        for ((high, low), duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
+            let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
+            assert!((high - (duty - dead_time)).abs() < 3.0 * RESOLUTION, "{high}, {duty}");
+            assert!((low - (1.0 - duty - dead_time)).abs() < 3.0 * RESOLUTION, "{low}, {duty}");
+        }
+    }
+    assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+    assert_eq!(host.bench.act(|chip, _| chip.half_bridges()), [(None, None); 2]);
+}
+
+#[test]
+fn a_mode_that_the_board_cannot_do_is_not_armed() {
+    let mut host = Host::at(&odrive_image(), (0, 0));
+    host.set_all(&[("stage_mode", ParameterValue::U32(2))]);
+    let index = host.names().iter().position(|name| name == "stage_mode").expect("the parameter");
+    assert_eq!(host.refusal_to_arm(), (Outcome::Inconsistent, index as u32));
+    assert!(!host.bench.bridge().has_main_output);
+    // That of the board's own.
+    assert_eq!(host.set("stage_mode", ParameterValue::U32(5)), Outcome::Accepted);
+    assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+}
+
 #[test]
 fn a_saturated_torque_has_the_duty_of_its_limit() {
     let mut host = Host::running(&image(), &[("torque_limit_nm", ParameterValue::F32(40.0))]);
@@ -104,7 +218,13 @@ fn the_outputs_are_low_unless_running() {
     assert_eq!(host.bench.bridge(), OFF, "an armed drive");
     host.start();
     let on = host.bench.bridge();
-    let want = Bridge { duty: Some(0.5), is_enabled: true, has_main_output: true, has_active_gate: true };
+    let want = Bridge {
+        duty: Some(0.5),
+        channels: [Some(0.5), None],
+        is_enabled: true,
+        has_main_output: true,
+        has_active_gate: true,
+    };
     assert_eq!(on, want, "no torque yet");
     host.command(Stop {});
     assert_eq!(host.bench.bridge(), OFF, "a stopped drive");

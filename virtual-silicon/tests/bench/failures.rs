@@ -34,6 +34,13 @@ pub fn panicking(image: &Symbols) -> Code {
     jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
 }
 
+/// Pushes onto a stack that has just one word left.
+pub fn overflowing(image: &Symbols) -> Code {
+    let guard = image.variable("STACK_GUARD").expect("the guard below the stack");
+    // 1 kB of guard. mov sp, r0; push {r0}; push {r0}
+    Code::default().load(0, guard as u32 + 1_024 + 4).halfwords(&[0x4685, 0xb401, 0xb401])
+}
+
 /// A processor fault at the priority of its own handler, to which FAULTMASK raises the core.
 pub fn locking_up() -> Code {
     // cpsid f

@@ -77,11 +77,11 @@ fn a_request_that_is_not_applied_to_the_stage_is_noticed() {
 
 #[test]
 fn a_break_input_that_is_not_enabled_is_noticed() {
-    // The value of TIM1's BDTR is lock level 1, off-state idle, break enabled and active high. mov.w rN, #0x3500, and the same
-    // without the break.
+    // The value of TIM1's BDTR is lock level 1, off-state idle, break enabled and active high, and the dead time. movw rN, #0x3554,
+    // and the same without the break.
     let pieces = (0..13_u16).map(|register| {
         let [with, without] =
-            [0x5054, 0x60a0].map(|immediate| Code::default().halfwords(&[0xf44f, immediate | register << 8]));
+            [0xf243, 0xf240].map(|movw| Code::default().halfwords(&[movw, 0x5054 | register << 8]));
         image().with_piece("__rtic_init_resources", &with, &without)
     });
     let careless = pieces.flatten().next().expect("the value of BDTR in a register");

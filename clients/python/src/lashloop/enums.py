@@ -94,6 +94,7 @@ class FaultCode(WireEnum):
     MOTOR_ENCODER_LOST = 10
     LOAD_ENCODER_LOST = 11
     TICK_OVERRUN = 12
+    MOTOR_AGAINST_TORQUE = 13
 
     @property
     def is_firmware_stop(self) -> bool:

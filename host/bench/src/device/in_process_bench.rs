@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use lashloop_firmware::drive::{Clock, Drive, EncoderReading, PinHardware, PinReadings};
 use lashloop_firmware::input_filter::FILTERS_NS;
 use lashloop_firmware::law::LawSet;
-use lashloop_firmware::power_stage::StageCommand;
+use lashloop_firmware::power_stage::{StageCommand, StageMode};
 use lashloop_link::in_process::{BOARD, Unread, next_tick};
 use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_plant::{Plant, PlantError};
@@ -19,9 +19,13 @@ use lashloop_protocol::EncoderCounts;
 
 use super::pin_plant::PinScales;
 
-/// Limits of the encoder counters: 16 bits and a filter, as on a board.
-const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: i16::MAX as u16, filters_ns: &FILTERS_NS, longest_period_us: 100_000 };
+/// Limits of the encoder counters, 16 bits and a filter as on a board, and a servo amplifier.
+const HARDWARE: PinHardware = PinHardware {
+    largest_move_counts: i16::MAX as u16,
+    filters_ns: &FILTERS_NS,
+    stage_modes: &[StageMode::Amplifier],
+    longest_period_us: 100_000,
+};
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);
 
@@ -67,8 +71,9 @@ impl DriveTrain {
     fn follow(&mut self, command: StageCommand) {
         self.torque_nm = match command {
             StageCommand::Off => 0.0,
-            StageCommand::Torque { torque_nm, scale } => {
-                (f64::from(scale.duty(torque_nm)) - 0.5) * self.torque_per_duty_nm
+            StageCommand::Torque { torque_nm, modulation } => {
+                let [duty, _] = modulation.channels(torque_nm);
+                (f64::from(duty) - 0.5) * self.torque_per_duty_nm
             }
         };
     }

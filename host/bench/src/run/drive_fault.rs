@@ -45,6 +45,17 @@ impl fmt::Display for DriveFault {
             (FaultCode::ProcessorFault, _) => {
                 write!(out, "the processor took a fault at {detail:#010x}, or an interrupt of that number")
             }
+            (FaultCode::MotorAgainstTorque, _) => {
+                let remedy = match detail {
+                    1 => "the load turned with it: reverse torque_direction",
+                    2 => "the load turned against it: reverse motor_direction",
+                    _ => "the load stood still: reverse torque_direction or motor_direction",
+                };
+                write!(
+                    out,
+                    "the motor turned by {value} rad against its torque until sample {step}; {remedy}"
+                )
+            }
             // What the values of a foreign code mean is known to the drive alone.
             (_, Some(name)) => write!(
                 out,

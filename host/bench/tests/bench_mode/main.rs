@@ -111,12 +111,20 @@ fn a_drive_without_bench_mode_is_rejected_before_arm() {
 }
 
 #[test]
-fn a_reversed_encoder_faults_before_the_twist_leaves_its_range() {
-    let scenario = scenario(SMOOTH_AFTER, &["bench.motor_direction=reverse"]);
-    let end = on_pins(&scenario, Line::default()).expect("a run").outcome.end;
-    let End::DriveFault(fault) = &end else { panic!("{end}") };
-    let codes = [FaultCode::MotorEncoderLost, FaultCode::LoadEncoderLost, FaultCode::MotorEncoderJump];
-    assert!(codes.contains(&fault.code), "{end}");
+fn a_wrong_direction_is_named_within_two_rad() {
+    for key in ["motor_direction", "torque_direction"] {
+        for start in
+            ["plant.initial.load_position_rad=1.5707963267948966", "plant.initial.load_position_rad=-0.5"]
+        {
+            let scenario = scenario(SMOOTH_AFTER, &[&format!("bench.{key}=reverse"), start]);
+            let end = on_pins(&scenario, Line::default()).expect("a run").outcome.end;
+            let text = end.to_string();
+            let End::DriveFault(fault) = end else { panic!("{text}") };
+            assert_eq!(fault.message.code, FaultCode::MotorAgainstTorque, "{text}");
+            assert!(text.contains(&format!("reverse {key}")), "{text}");
+            assert!((1.0..2.0).contains(&fault.message.value), "{text}");
+        }
+    }
 }
 
 #[test]

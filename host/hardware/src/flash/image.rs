@@ -11,7 +11,7 @@ use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Architecture, LittleEndian, Object, ObjectSymbol};
 
-/// Flash of the STM32F405xG.
+/// Flash of the STM32F405xG. That of the other chips is smaller, and larger than any image.
 pub const FLASH: Range<u32> = 0x0800_0000..0x0810_0000;
 /// RAM of the STM32F405 that a stack can begin in; its upper end is the first address after it.
 const RAM: Range<u32> = 0x2000_0000..0x2002_0001;
@@ -25,6 +25,12 @@ const BUILD_IS_DIRTY: &str = "_lashloop_build_is_dirty";
 const NO_DRIVE: &str = "_lashloop_no_drive";
 /// Start of the symbol that ends with the board's name.
 const BOARD: &str = "_lashloop_board_";
+
+/// The chip of a board, as probe-rs names it.
+#[must_use]
+pub fn chip_of(board: &str) -> &'static str {
+    if board == "nucleo-f446re" { "STM32F446RETx" } else { "STM32F405RGTx" }
+}
 
 /// Why an ELF can't be flashed.
 #[derive(Debug, thiserror::Error)]

@@ -40,7 +40,7 @@ pub fn of_drive(name: &str, old: &str) -> Option<String> {
 }
 
 /// Parameters of bench mode that the contract doesn't ask for.
-const OWN: [&str; 1] = ["encoder_filter_ns"];
+const OWN: [&str; 3] = ["encoder_filter_ns", "stage_mode", "pwm_frequency_hz"];
 
 /// A part of the annex of bench mode, or of that of the Lashloop drive.
 pub fn of_bench_mode(name: &str, old: &str) -> Option<String> {

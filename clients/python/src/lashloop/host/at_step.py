@@ -26,6 +26,7 @@ _UNITS = {
     FaultCode.MOTOR_ENCODER_LOST: "rad",
     FaultCode.LOAD_ENCODER_LOST: "rad",
     FaultCode.TICK_OVERRUN: "s",
+    FaultCode.MOTOR_AGAINST_TORQUE: "rad",
 }
 
 

@@ -28,7 +28,13 @@ if TYPE_CHECKING:
     from lashloop.messages import HostMessage
 
 _CAUSES = {
-    Outcome.POWER_STAGE_FAULT: {1: "break input", 2: "fault line"},
+    Outcome.POWER_STAGE_FAULT: {
+        1: "break input",
+        2: "fault line",
+        3: "no supply",
+        4: "overcurrent",
+        5: "overtemperature",
+    },
     Outcome.ENCODER_IMPLAUSIBLE: {
         1: "the encoders were not read since power-up",
         2: "the motor encoder moved too fast",

@@ -1,0 +1,17 @@
+//! A NUCLEO-F446RE: the pins of the bare board, all of them on its headers.
+//!
+//! | pin | function | connected to |
+//! |---|---|---|
+//! | PA2, PA3 | USART2 | the serial port of its ST-Link: link, see `link` |
+//! | OSC_IN | 8 MHz | a clock of its ST-Link (MB1136 C-02 and later, as delivered) |
+//! | others | as in `f405_bare` | |
+//!
+//! Its USB connector is that of the ST-Link; the chip's own port stays off.
+
+pub(super) use super::f405_bare::{Lines, LoadEncoder, MotorEncoder, start};
+
+/// Name of the board.
+pub(super) const NAME: &str = "nucleo-f446re";
+
+/// Whether OSC_IN has a clock, and not a crystal.
+pub(super) const HAS_CLOCK: bool = true;
