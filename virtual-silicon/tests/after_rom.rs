@@ -39,6 +39,7 @@ const END: u64 = HELLO_AT + 10 * MS;
 /// 10 bits of 42 MHz by 46.
 const BYTE_NS: f64 = 10_952.4;
 const ROM: u32 = 0x1fff_0000;
+const RAM: u32 = 0x2000_0000;
 const RCC_CR: u32 = 0x4002_3800;
 const SYSTICK: u32 = 0xe000_e010;
 const NVIC_ENABLE: u32 = 0xe000_e100;
@@ -119,6 +120,8 @@ fn rom(case: Case) -> Vec<u8> {
     // ldr r0, [r1]; cmp r0, r2; bne over the next one; b .; str r2, [r1]
     let mut start =
         Code::default().load(1, NOTE).load(2, JUMPED).halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
+    // Its own variables, at the start of RAM: str r1, [r1]; adds r1, #4; cmp r1, r2; bne
+    start = start.load(1, RAM).load(2, RAM + 12 * 1_024).halfwords(&[0x6009, 0x3104, 0x4291, 0xd1fb]);
     if case.clock != Clock::Off {
         start = start.load(1, RCC_CR);
         let mut source = 0;
@@ -221,6 +224,7 @@ struct Run {
     lsi: LsiCapture,
     case: Case,
     request_at: u64,
+    has_requested: bool,
     has_greeted: bool,
     has_jumped: bool,
 }
@@ -243,7 +247,7 @@ impl Driver<Chip> for Run {
         stop: Stop,
         host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
-        if stop.at.0 < MS && self.case.entry == Entry::Request {
+        if !std::mem::replace(&mut self.has_requested, true) && self.case.entry == Entry::Request {
             host.write(self.request_at, Width::W32, REQUEST).expect("RAM");
         }
         let edge = self.lsi.turn(&mut session.board_mut().mcu, stop.at);
@@ -287,6 +291,7 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
         lsi: LsiCapture::after_reset(VirtualNanos(0)),
         case,
         request_at,
+        has_requested: false,
         has_greeted: false,
         has_jumped: false,
     };

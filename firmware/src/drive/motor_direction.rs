@@ -78,7 +78,12 @@ impl MotorDirection {
         Self { torque_limit_nm, is_judged: false, motion: Motion::default(), half: None }
     }
 
-    /// Takes the motion of motor and load in a period, the way to the reference before the run's first motion, all in rad at the
+    /// Whether nothing is left to check.
+    pub(super) fn is_judged(&self) -> bool {
+        self.is_judged
+    }
+
+    /// Takes the motion of motor and load in a period until it [`is_judged`](Self::is_judged), the way to the reference before the run's first motion, all in rad at the
     /// motor, and the torque in N m of that period.
     ///
     /// # Errors
@@ -89,9 +94,6 @@ impl MotorDirection {
         way_rad: f32,
         torque_nm: f32,
     ) -> Result<(), Violation> {
-        if self.is_judged {
-            return Ok(());
-        }
         let all = &mut self.motion;
         all.steps += 1.0;
         all.motor_rad += motor_rad;
@@ -169,7 +171,9 @@ mod tests {
                 motor.speed += 0.05 * (speed_per_nm * torque_nm - motor.speed);
             }
             at_rad += motor.speed;
-            direction.check([motor.speed, motor.load * motor.speed], reference_rad, torque_nm)?;
+            if !direction.is_judged() {
+                direction.check([motor.speed, motor.load * motor.speed], reference_rad, torque_nm)?;
+            }
         }
         Ok(())
     }
@@ -222,7 +226,7 @@ mod tests {
             let motor_rad = if step % 2 == 0 { 0.01 } else { -0.01 };
             assert_eq!(direction.check([motor_rad, 0.0], 1.0, -100.0 * motor_rad), Ok(()));
         }
-        assert!(!direction.is_judged);
+        assert!(!direction.is_judged());
     }
 
     #[test]

@@ -161,6 +161,9 @@ impl PinRun {
         sample: &EncoderSample,
         torque_nm: f32,
     ) -> Result<(), Violation> {
+        if self.direction.is_judged() {
+            return Ok(());
+        }
         let (motor, load) = (sample.motor_counts, sample.load_counts);
         let first_load = *self.first_load.get_or_insert(load);
         let Some(last) = self.last.replace((motor, load)) else { return Ok(()) };

@@ -161,7 +161,7 @@ fn happen(event: &str) -> Vec<(FaultCode, Vec<DriveMessage>, PinHost)> {
         (code, answers, host)
     };
     match event.split([' ', ',']).next().unwrap_or_default() {
-        "the" if event.starts_with("the break") => vec![
+        "the" if event.starts_with("the power stage") => vec![
             after(FaultCode::PowerStage, |host| {
                 host.readings.stage_fault = Some(PowerStageFault::BreakInput);
             }),
