@@ -16,6 +16,8 @@ const SMALLEST_TORQUE: f32 = 0.05;
 /// A motor that runs away from rest is 2.4 times as fast in the second half of the motion; one that turns at a constant speed isn't
 /// faster.
 const FASTER: f32 = 1.1;
+/// Motion of a load behind a soft shaft that tells its direction, as a fraction of that of the motor.
+const SMALLEST_LOAD: f32 = 0.002;
 /// Distance of the reference that tells a direction, in rad at the motor.
 const SMALLEST_WAY_RAD: f32 = 0.01;
 
@@ -46,20 +48,26 @@ impl Motion {
         self.work_nm_rad < -0.5 * self.effort_nm_rad
     }
 
-    fn cause(&self) -> Cause {
+    /// What the load tells, if it has moved by more than this fraction of the motion of the motor.
+    fn cause(&self, smallest: f32) -> Cause {
         let along_rad = if self.motor_rad < 0.0 { -self.load_rad } else { self.load_rad };
-        let half_rad = 0.5 * Real::abs(self.motor_rad);
-        if along_rad > half_rad {
+        let least_rad = smallest * Real::abs(self.motor_rad);
+        if along_rad > least_rad {
             Cause::PowerStage
-        } else if along_rad < -half_rad {
+        } else if along_rad < -least_rad {
             Cause::MotorEncoder
         } else {
             Cause::Unknown
         }
     }
 
+    /// Whether motor and load turn against each other, which no gap and no shaft explains.
+    fn is_against_load(&self) -> bool {
+        self.cause(0.5) == Cause::MotorEncoder
+    }
+
     fn violation(&self) -> Violation {
-        let (value, detail) = (Real::abs(self.motor_rad), self.cause() as u32);
+        let (value, detail) = (Real::abs(self.motor_rad), self.cause(SMALLEST_LOAD) as u32);
         Violation { code: FaultCode::MotorAgainstTorque, value, limit: MOTION_RAD, detail }
     }
 }
@@ -117,7 +125,7 @@ impl MotorDirection {
         let half_rad = Real::abs(half.motor_rad);
         let is_faster = (moved_rad - half_rad) * half.steps >= FASTER * half_rad * (all.steps - half.steps);
         let is_away = if all.motor_rad < 0.0 { way_rad } else { -way_rad } > SMALLEST_WAY_RAD;
-        let runs_away = all.cause() == Cause::MotorEncoder || is_faster && is_away;
+        let runs_away = all.is_against_load() || is_faster && is_away;
         if all.is_against_torque() && runs_away { Err(all.violation()) } else { Ok(()) }
     }
 
@@ -125,7 +133,7 @@ impl MotorDirection {
     pub(super) fn explains_twist(&self) -> Option<Violation> {
         let is_explained = !self.is_judged
             && self.has_torque()
-            && self.motion.cause() == Cause::MotorEncoder
+            && self.motion.is_against_load()
             && self.motion.is_against_torque();
         is_explained.then(|| self.motion.violation())
     }

@@ -121,7 +121,8 @@ fn a_wrong_direction_is_named_within_two_rad() {
             let text = end.to_string();
             let End::DriveFault(fault) = end else { panic!("{text}") };
             assert_eq!(fault.message.code, FaultCode::MotorAgainstTorque, "{text}");
-            assert!(text.contains(&format!("reverse {key}")), "{text}");
+            // The load behind a soft shaft may not have moved yet.
+            assert!(text.contains("reverse ") && text.contains(key), "{text}");
             assert!((1.0..2.0).contains(&fault.message.value), "{text}");
         }
     }
