@@ -12,6 +12,7 @@ use super::run::{Run, Source};
 use super::safety::Violation;
 use crate::law::{DriveParameters, LawSet};
 
+#[expect(clippy::large_enum_variant, reason = "a drive has one life, and no heap")]
 pub(super) enum Lifecycle<L: LawSet> {
     /// Before the first session.
     Boot,

@@ -26,6 +26,7 @@ pub(super) struct Run<L: LawSet> {
 }
 
 /// Where the samples come from.
+#[expect(clippy::large_enum_variant, reason = "a drive has one run, and no heap")]
 pub(super) enum Source {
     /// From the host, each with an answer.
     Link {
