@@ -124,8 +124,7 @@ impl DriveTrain {
     }
 
     fn step(&mut self, now: Duration, chip: &mut Pins<'_>) -> Result<()> {
-        self.torque_nm =
-            chip.bridge().driving().map_or(0.0, |duty| (2.0 * duty - 1.0) * self.scales.nm_per_full_duty);
+        self.torque_nm = chip.driving().map_or(0.0, |duty| (2.0 * duty - 1.0) * self.scales.nm_per_full_duty);
         let before = counts(&*self.plant, &self.scales);
         self.plant.step(self.torque_nm, STEP.as_secs_f64()).context("the plant can't be followed")?;
         let after = counts(&*self.plant, &self.scales);

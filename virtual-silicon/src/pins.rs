@@ -168,6 +168,17 @@ impl<'a> Pins<'a> {
         gpio.level(port_pin(pin), registers) == Level::High
     }
 
+    /// Duty of a bridge that drives its motor, as [`Bridge::driving`], without the rest.
+    pub fn driving(&mut self) -> Option<f64> {
+        let chip = self.session.board_mut();
+        let (gpio, registers) = chip.mcu.port(self.wiring.enable.port);
+        let is_driven = gpio.level(port_pin(self.wiring.enable), registers) == Level::High
+            && is_connected(chip, self.wiring.pwm);
+        let (timer, registers) = chip.mcu.advanced_timer(TIM1);
+        let pulse = timer.pulse(TimerChannel::new(1).expect("channel 1"), registers).filter(|_| is_driven)?;
+        Some(pulse.width.0 as f64 / pulse.period.0 as f64)
+    }
+
     /// What the chip drives at the bridge.
     pub fn bridge(&mut self) -> Bridge {
         let chip = self.session.board_mut();

@@ -114,11 +114,8 @@ impl MotorDirection {
             return Ok(());
         }
         let half = *self.half.get_or_insert(all);
-        if moved_rad < MOTION_RAD {
-            return Ok(());
-        }
-        if !self.has_torque() {
-            *self = Self::new(self.torque_limit_nm);
+        // Nothing is forgotten: the work isn't negative since the rest before the run, and may be since any later instant.
+        if moved_rad < MOTION_RAD || !self.has_torque() {
             return Ok(());
         }
         self.is_judged = true;
@@ -225,6 +222,22 @@ mod tests {
         ] {
             assert_eq!(verdict(motor, reference_rad, |_| torque_nm), Ok(()), "{case}");
         }
+    }
+
+    #[test]
+    fn a_motor_that_drifts_is_driven_and_brakes_later_is_none() {
+        // Through a gap by a slowly rising torque, as a commissioning does it, then the other way.
+        let mut direction = MotorDirection::new(LIMIT_NM);
+        let (mut speed, mut at_rad) = (0.0_f32, 0.0_f32);
+        for step in 0..4_000 {
+            let torque_nm = if at_rad < 1.4 { 2e-4 * step as f32 } else { -8.0 };
+            speed += 2e-6 * torque_nm - 1e-4 * speed;
+            at_rad += speed;
+            if !direction.is_judged() {
+                assert_eq!(direction.check([speed, 0.0], torque_nm, torque_nm), Ok(()), "step {step}");
+            }
+        }
+        assert!(at_rad != 0.0);
     }
 
     #[test]
