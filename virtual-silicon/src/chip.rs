@@ -41,6 +41,7 @@ const NAME: &str = "stm32f427";
 pub struct Chip {
     /// The models of the part.
     pub mcu: Stm32f427,
+    has_mpu: bool,
 }
 
 impl Chip {
@@ -48,7 +49,7 @@ impl Chip {
     ///
     /// # Errors
     /// The tables of the part contradict each other.
-    pub fn new(crystal_hz: u64, wiring: &Wiring) -> Result<Self> {
+    pub fn new(crystal_hz: u64, wiring: &Wiring, has_mpu: bool) -> Result<Self> {
         let mut mcu = Stm32f427::new().context("the models of the part don't fit together")?;
         mcu.rcc.attach_crystals(crystal_hz, 0);
         mcu.set_supply(SUPPLY_MV);
@@ -58,7 +59,7 @@ impl Chip {
             let select = Select { port: "GPIOC", pin, active: Level::Low };
             mcu.spi[SPI3].attach_selected(GateDriver::default(), select);
         }
-        Ok(Self { mcu })
+        Ok(Self { mcu, has_mpu })
     }
 
     /// Keeps a crystal that has been enabled from starting. In the model an empty pin starts as a crystal does, but an oscillator
@@ -112,7 +113,8 @@ impl Board for Chip {
             boot: "flash",
         };
         let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
-        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        let regions = if self.has_mpu { armv7m::MpuRegions::Eight } else { armv7m::MpuRegions::None };
+        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, regions);
         vec![Target::new(NAME, &mut self.mcu, core)]
     }
 }

@@ -42,7 +42,7 @@ pub struct Ended<S> {
 /// # Errors
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
-    let chip = Chip::new(surroundings.crystal_hz(), &wiring)?;
+    let chip = Chip::new(surroundings.crystal_hz(), &wiring, surroundings.has_mpu())?;
     let session = Session::new(Box::new(chip), 0, FIRST_TURN).context("the chip can't be set up")?;
     let machine = Machine {
         surroundings,

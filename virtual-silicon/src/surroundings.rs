@@ -31,6 +31,11 @@ pub trait Surroundings: Send {
         CRYSTAL_HZ
     }
 
+    /// Whether the core has its memory protection unit. With it each access is checked, and the chip emulated at 0.6 times the speed.
+    fn has_mpu(&self) -> bool {
+        false
+    }
+
     /// The bridge changed at this device time.
     fn bridge_changed(&mut self, _at: Duration, _bridge: crate::pins::Bridge) {}
 

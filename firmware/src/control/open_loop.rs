@@ -21,6 +21,7 @@ pub struct OpenLoop {
 
 impl ControlLaw for OpenLoop {
     const NAME: &'static str = "open-loop";
+    const TAKES_TORQUE: bool = true;
     type Parameters = OpenLoopGain;
     type Signals = ();
 

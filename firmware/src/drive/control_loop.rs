@@ -124,6 +124,11 @@ impl<L: LawSet> ControlLoop<L> {
         self.requested_torque_nm
     }
 
+    /// Whether the reference is a torque.
+    pub(super) fn takes_torque(&self) -> bool {
+        self.law.takes_torque()
+    }
+
     /// Twist of the last step in rad at the motor.
     pub(super) fn twist_rad(&self) -> f32 {
         self.sensing.motion().twist_rad

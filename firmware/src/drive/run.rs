@@ -136,7 +136,9 @@ impl<L: LawSet> Run<L> {
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
         let torque = torque.and_then(|torque| {
-            pins.check_direction(&sample, held_nm)?;
+            if !self.control.takes_torque() {
+                pins.check_direction(&sample, held_nm)?;
+            }
             pins.check_twist(&sample, self.control.twist_rad())?;
             pins.check_end(due, now)?;
             Ok(torque)

@@ -25,6 +25,9 @@ pub trait ControlLaw: Sized {
     /// What telemetry may carry: a struct of [`signals!`](crate::signals), or `()`.
     type Signals: Signals;
 
+    /// Whether the reference is a torque and not a position of the load: then nothing says whether a motor runs away.
+    const TAKES_TORQUE: bool = false;
+
     /// Names of the parameters that the law takes while the drive is armed or running. One that several laws have is live if
     /// each of them takes it.
     const LIVE: &'static [&'static str] = &[];

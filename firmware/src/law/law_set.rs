@@ -41,6 +41,9 @@ pub trait LawSet: Sized + Send + 'static {
     /// would cost more instructions than some laws.
     fn step(&mut self, measurement: &Measurement<f32>, signals: &mut Option<Self::Signals>) -> f32;
 
+    /// [`ControlLaw::TAKES_TORQUE`](super::ControlLaw::TAKES_TORQUE) of the law in force.
+    fn takes_torque(&self) -> bool;
+
     /// Writes the signals of a law to their indices in `values`.
     fn write_signals(signals: &Self::Signals, values: &mut [f32; MAX_SIGNALS]);
 }
@@ -136,6 +139,12 @@ macro_rules! laws {
                             *signals = ::core::option::Option::Some(SignalsOfLaw::$law(output.signals));
                             output.torque_nm
                         })+
+                    }
+                }
+
+                fn takes_torque(&self) -> bool {
+                    match self {
+                        $(Self::$law(_) => <$ty as ControlLaw>::TAKES_TORQUE),+
                     }
                 }
 

@@ -114,6 +114,10 @@ impl Surroundings for Site {
         self.crystal_hz.is_some()
     }
 
+    fn has_mpu(&self) -> bool {
+        true
+    }
+
     fn crystal_hz(&self) -> u64 {
         self.crystal_hz.unwrap_or(CRYSTAL_HZ)
     }
