@@ -16,7 +16,7 @@ use crate::{processes, wait, workspace};
 pub use build::{example, lashloop};
 
 /// Ten times the longest invocation of any test on an idle machine.
-const LIMIT: Duration = Duration::from_secs(180);
+const LIMIT: Duration = Duration::from_secs(285);
 
 /// A running `lashloop`. Dropping it kills the process.
 pub struct Running {
