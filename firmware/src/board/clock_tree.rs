@@ -1,4 +1,4 @@
-//! 168 MHz from the crystal, or from the internal oscillator when there is none of a known frequency.
+//! 168 MHz from the crystal, or from the internal oscillator without a crystal of a known frequency.
 
 use super::{crystal, fitted};
 use stm32f4xx_hal::pac::{RCC, TIM5};

@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motor_that_moves_otherwise_is_none() {
+    fn a_motor_that_moves_otherwise_is_not_at_fault() {
         let still = Motor { gain: 0.0, ..REVERSED };
         for (case, motor, reference_rad, torque_nm) in [
             ("brakes", Motor { speed: -0.02, gain: 1e-5, ..REVERSED }, 1.0, 2.0),
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motor_that_drifts_is_driven_and_brakes_later_is_none() {
+    fn a_motor_that_drifts_and_brakes_later_is_not_at_fault() {
         // Through a gap by a slowly rising torque, as a commissioning does it, then the other way.
         let mut direction = MotorDirection::new(LIMIT_NM);
         let (mut speed, mut at_rad) = (0.0_f32, 0.0_f32);

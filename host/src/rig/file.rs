@@ -288,7 +288,7 @@ impl PowerStage {
             if this.duty_offset.is_some_and(|given| given != offset) {
                 stage.reject(
                     "duty_offset",
-                    format!("is another duty than {offset}, and this mode has that for a torque of 0"),
+                    format!("must be {offset} in this mode, or absent: any other duty is a torque"),
                 );
             }
             this.duty_offset = Some(offset);
