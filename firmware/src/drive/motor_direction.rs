@@ -229,11 +229,11 @@ mod tests {
         // Too little torque to tell in the first rad; in the second one the motor gives back what the first one gave it.
         let mut direction = MotorDirection::new(LIMIT_NM);
         let (mut speed, mut at_rad) = (0.0_f32, 0.0_f32);
-        while at_rad < 2.0 {
+        while at_rad < 2.004 {
             let torque_nm = match at_rad {
                 ..1.0 => 0.95,
                 1.45..1.5 => 4.0,
-                1.98.. => -50.0,
+                1.98.. => -45.0,
                 _ => 0.0,
             };
             speed += 2e-6 * torque_nm;
