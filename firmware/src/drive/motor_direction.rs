@@ -232,8 +232,8 @@ mod tests {
         while at_rad < 2.004 {
             let torque_nm = match at_rad {
                 ..1.0 => 0.95,
-                1.45..1.5 => 4.0,
-                1.98.. => -45.0,
+                1.45..1.5 => 6.0,
+                1.98.. => -48.0,
                 _ => 0.0,
             };
             speed += 2e-6 * torque_nm;
