@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from simulated_link import Altered
 
-NAMES = {13: "BrakeStuck", 14: None, 200: "Overheated"}
+NAMES = {61: "BrakeStuck", 62: None, 200: "Overheated"}
 """Faults that the drive has added; it has no name for one of them."""
 
 
@@ -134,7 +134,7 @@ def named(code: int) -> Altered:
     return [ChoiceDescription(limits.FAULT_NAMES, code, name)]
 
 
-@pytest.mark.parametrize(("code", "text"), [(13, "BrakeStuck"), (14, "unknown 14"), (200, "Overheated")])
+@pytest.mark.parametrize(("code", "text"), [(61, "BrakeStuck"), (62, "unknown 62"), (200, "Overheated")])
 def test_a_fault_that_the_drive_has_added_ends_the_run_with_the_drive_s_name(code: int, text: str) -> None:
     link = faulting(code, named)
     host = running(link)
@@ -150,14 +150,14 @@ def test_a_fault_that_the_drive_has_added_ends_the_run_with_the_drive_s_name(cod
 
 
 def test_the_number_of_a_fault_stands_if_the_drive_is_silent_about_its_name() -> None:
-    link = faulting(13, lambda _: [])
+    link = faulting(61, lambda _: [])
     host = running(link)
     step(host)
     start_s = link.now_s
-    with pytest.raises(DriveFaultError, match=r"^the drive latched unknown 13 at sample 1: 2\.5, the limit is 2, "):
+    with pytest.raises(DriveFaultError, match=r"^the drive latched unknown 61 at sample 1: 2\.5, the limit is 2, "):
         step(host)
     assert link.now_s - start_s == pytest.approx(2.0)
-    assert str(host.fault).startswith("unknown 13 at sample 1")
+    assert str(host.fault).startswith("unknown 61 at sample 1")
     assert link.now_s - start_s == pytest.approx(2.0)
 
 

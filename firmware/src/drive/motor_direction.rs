@@ -2,7 +2,8 @@
 //!
 //! Gears, friction and a load at rest take energy from the motor, so from rest on the work of its torque is not negative. With a
 //! wrong direction it is, and the motor runs away from the reference, ever faster. A motor that brakes becomes slower, and one that
-//! lowers a weight turns towards the reference. Only the first rad of a run is judged: later a disturbance may do anything.
+//! lowers a weight turns towards the reference. Only the first rad of a run is judged, if both masses rested before: later a
+//! disturbance may do anything, and a shaft that is wound up turns the motor whatever its torque says.
 
 use lashloop_protocol::enums::FaultCode;
 
@@ -82,8 +83,8 @@ pub(super) struct MotorDirection {
 }
 
 impl MotorDirection {
-    pub(super) fn new(torque_limit_nm: f32) -> Self {
-        Self { torque_limit_nm, is_judged: false, motion: Motion::default(), half: None }
+    pub(super) fn new(torque_limit_nm: f32, from_rest: bool) -> Self {
+        Self { torque_limit_nm, is_judged: !from_rest, motion: Motion::default(), half: None }
     }
 
     /// Whether nothing is left to check.
@@ -91,8 +92,8 @@ impl MotorDirection {
         self.is_judged
     }
 
-    /// Takes the motion of motor and load in a period until it [`is_judged`](Self::is_judged), the way to the reference before the run's first motion, all in rad at the
-    /// motor, and the torque in N m of that period.
+    /// Takes the motion of motor and load in a period until it [`is_judged`](Self::is_judged), the way to the reference before the
+    /// run's first motion, all in rad at the motor, and the torque in N m of that period.
     ///
     /// # Errors
     /// The motor ran away from its torque.
@@ -167,7 +168,7 @@ mod tests {
         reference_rad: f32,
         torque_nm: impl Fn(f32) -> f32,
     ) -> Result<(), Violation> {
-        let mut direction = MotorDirection::new(LIMIT_NM);
+        let mut direction = MotorDirection::new(LIMIT_NM, true);
         let mut at_rad = 0.0;
         for _ in 0..2_000 {
             let torque_nm = torque_nm(at_rad);
@@ -227,7 +228,7 @@ mod tests {
     #[test]
     fn a_motor_that_drifts_and_brakes_later_is_not_at_fault() {
         // Too little torque to tell in the first rad; in the second one the motor gives back what the first one gave it.
-        let mut direction = MotorDirection::new(LIMIT_NM);
+        let mut direction = MotorDirection::new(LIMIT_NM, true);
         let (mut speed, mut at_rad) = (0.0_f32, 0.0_f32);
         while at_rad < 2.004 {
             let torque_nm = match at_rad {
@@ -245,7 +246,7 @@ mod tests {
 
     #[test]
     fn dither_is_no_motion() {
-        let mut direction = MotorDirection::new(LIMIT_NM);
+        let mut direction = MotorDirection::new(LIMIT_NM, true);
         for step in 0..10_000 {
             let motor_rad = if step % 2 == 0 { 0.01 } else { -0.01 };
             assert_eq!(direction.check([motor_rad, 0.0], 1.0, -100.0 * motor_rad), Ok(()));
@@ -256,7 +257,7 @@ mod tests {
     #[test]
     fn a_twist_is_explained_by_a_motor_that_turns_against_torque_and_load() {
         let after = |motor_rad: f32, load_rad: f32| {
-            let mut direction = MotorDirection::new(LIMIT_NM);
+            let mut direction = MotorDirection::new(LIMIT_NM, true);
             direction.check([motor_rad, load_rad], 1.0, 5.0).expect("less than the motion");
             direction.explains_twist().map(|it| it.detail)
         };

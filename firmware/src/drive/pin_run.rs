@@ -74,7 +74,7 @@ impl PinRun {
             next_sequence: 0,
             unreported: 0,
             twist: None,
-            direction: MotorDirection::new(drive.torque_limit_nm),
+            direction: MotorDirection::new(drive.torque_limit_nm, pins.rested(now)),
             first_load: None,
             last: None,
         })

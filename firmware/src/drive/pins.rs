@@ -11,6 +11,11 @@ use crate::input_filter::filter_for;
 use crate::law::{DriveParameters, ParameterError, ROUNDING};
 use crate::power_stage::{PowerStageFault, StageMode};
 
+/// Mechanics that moved less in this time have rested.
+const REST: Duration = Duration::from_millis(500);
+/// Motion of an encoder at rest, in counts.
+const REST_COUNTS: u32 = 4;
+
 /// Limits of the hardware of bench mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinHardware {
@@ -101,6 +106,10 @@ struct Observed {
     illegal_at_reset: u32,
     /// Largest speed in counts per second. One count of each difference is subtracted, as in the check of a run.
     fastest_counts_per_s: f32,
+    /// Where it has rested since it last moved.
+    place: Option<EncoderCounts>,
+    /// When it last moved, if ever.
+    moved_at: Option<Duration>,
 }
 
 /// The pins since power-up or reset: a history that arming requires to be plausible.
@@ -124,11 +133,10 @@ impl Pins {
     /// Forgets what was implausible before the latest readings. These stay: the ticks go on, and `Arm` may follow at once.
     pub(super) fn reset(&mut self) {
         let readings = self.readings();
-        let [motor, load] = [readings.motor, readings.load].map(|reading| Observed {
-            illegal_at_reset: reading.illegal_transitions,
-            fastest_counts_per_s: 0.0,
-        });
-        *self = Self { motor, load, ..*self };
+        for (observed, reading) in [(&mut self.motor, readings.motor), (&mut self.load, readings.load)] {
+            observed.illegal_at_reset = reading.illegal_transitions;
+            observed.fastest_counts_per_s = 0.0;
+        }
     }
 
     /// The latest readings; zeros before the first ones.
@@ -143,7 +151,15 @@ impl Pins {
             self.motor.note(before.motor, readings.motor, elapsed);
             self.load.note(before.load, readings.load, elapsed);
         }
+        self.motor.note_place(readings.motor.counts, due);
+        self.load.note_place(readings.load.counts, due);
         self.latest = Some((*readings, due));
+    }
+
+    /// Whether motor and load have rested for a while.
+    pub(super) fn rested(&self, now: Duration) -> bool {
+        let rested = |it: &Observed| it.moved_at.is_none_or(|then| now.saturating_sub(then) >= REST);
+        rested(&self.motor) && rested(&self.load)
     }
 
     /// Whether the pins allow torque.
@@ -181,6 +197,14 @@ impl Observed {
         let speed = moved as f32 / (elapsed.subsec_nanos() as f32 * 1e-9);
         if speed > self.fastest_counts_per_s {
             self.fastest_counts_per_s = speed;
+        }
+    }
+
+    fn note_place(&mut self, counts: EncoderCounts, due: Duration) {
+        let place = self.place.get_or_insert(counts);
+        if counts.wrapping_sub(*place).unsigned_abs() > REST_COUNTS {
+            *place = counts;
+            self.moved_at = Some(due);
         }
     }
 

@@ -146,6 +146,38 @@ fn assert_lost(start: i64, (code, motor, load): (FaultCode, i64, i64)) {
 }
 
 #[test]
+fn a_motor_against_its_torque_is_a_fault_if_the_mechanics_rested_before_the_run() {
+    for (rest_ms, is_fault) in [(0, false), (499, false), (501, true)] {
+        for (motor, load) in [(100, 0), (0, 100)] {
+            let mut host = PinHost::with(&[("twist_limit_rad", ParameterValue::F32(100.0))]);
+            host.turn(motor, load);
+            for tick in 0..=rest_ms {
+                // Counts of an encoder at rest may alternate.
+                host.turn(motor + tick % 2, load);
+                host.tick();
+            }
+            assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+            assert_eq!(host.start(), (Outcome::Accepted, State::Running));
+            let mut answers = Vec::new();
+            for step in 0..100 {
+                host.refer(1.0);
+                host.turn(motor - 10 * step * step, load);
+                answers = host.tick();
+                if host.drive.state() == State::Faulted {
+                    break;
+                }
+            }
+            if is_fault {
+                let report = host.assert_faulted(&answers, FaultCode::MotorAgainstTorque);
+                assert_eq!((report.limit, report.detail), (1.0, 0));
+            } else {
+                assert_eq!(host.drive.state(), State::Running, "{rest_ms} ms of rest");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_jump_of_an_encoder_is_the_fault_of_hil_mode() {
     for (code, motor, load) in
         [(FaultCode::MotorEncoderJump, 25_000, 0), (FaultCode::LoadEncoderJump, 0, 2_500)]

@@ -113,10 +113,11 @@ fn a_drive_without_bench_mode_is_rejected_before_arm() {
 #[test]
 fn a_wrong_direction_is_named_within_two_rad() {
     for key in ["motor_direction", "torque_direction"] {
-        for start in
-            ["plant.initial.load_position_rad=1.5707963267948966", "plant.initial.load_position_rad=-0.5"]
-        {
-            let scenario = scenario(SMOOTH_AFTER, &[&format!("bench.{key}=reverse"), start]);
+        for [load_rad, motor_rad] in [[1.5, 4.5], [-0.5, -1.5]] {
+            let start = [("load", load_rad), ("motor", motor_rad)]
+                .map(|(mass, rad)| format!("plant.initial.{mass}_position_rad={rad}"));
+            let reverse = format!("bench.{key}=reverse");
+            let scenario = scenario(SMOOTH_AFTER, &[&reverse, &start[0], &start[1]]);
             let end = on_pins(&scenario, Line::default()).expect("a run").outcome.end;
             let text = end.to_string();
             let End::DriveFault(fault) = end else { panic!("{text}") };
