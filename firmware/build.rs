@@ -17,7 +17,11 @@ fn main() {
         // Absolute symbols take no flash. `lashloop flash` compares them with what the drive reports.
         let symbols = format!("_lashloop_build_id = 0x{build_id};\n_lashloop_build_is_dirty = {is_dirty};\n");
         // Virtual silicon wires the pins of the board that the image is for.
-        let boards = [("NUCLEO_F446RE", "nucleo-f446re"), ("ODRIVE_V3", "odrive-v3")];
+        let boards = [
+            ("NUCLEO_F429ZI", "nucleo-f429zi"),
+            ("NUCLEO_F446RE", "nucleo-f446re"),
+            ("ODRIVE_V3", "odrive-v3"),
+        ];
         let selected = |feature: &str| env::var_os(format!("CARGO_FEATURE_BOARD_{feature}")).is_some();
         let name = boards.iter().find(|(feature, _)| selected(feature)).map_or("stm32f405", |it| it.1);
         let board = format!("\"_lashloop_board_{name}\" = 1;\n");

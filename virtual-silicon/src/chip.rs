@@ -1,4 +1,4 @@
-//! The chip on its board: crystal, supply and the far end of USART2.
+//! The chip on its board: crystal, supply and the far end of the link.
 
 use std::num::{NonZeroU32, NonZeroU64};
 
@@ -28,8 +28,6 @@ const CORE_HZ: u64 = 168_000_000;
 const INSTRUCTIONS_PER_SECOND: u64 = CORE_HZ;
 /// SPI3 among the serial interfaces of the part.
 const SPI3: usize = 2;
-/// USART2 among the serial ports of the part.
-const USART2: usize = 1;
 /// Address of RCC_CR, which enables the oscillators.
 pub(crate) const CLOCK_CONTROL: u64 = 0x4002_3800;
 /// TIM1 among the advanced timers of the part.
@@ -41,11 +39,12 @@ const NAME: &str = "stm32f427";
 pub struct Chip {
     /// The models of the part.
     pub mcu: Stm32f427,
+    link_port: usize,
     has_mpu: bool,
 }
 
 impl Chip {
-    /// The part with this crystal, on a board with this wiring, before its first instruction, with an idle line at USART2.
+    /// The part with this crystal, on a board with this wiring, before its first instruction, with an idle line at its link.
     ///
     /// # Errors
     /// The tables of the part contradict each other.
@@ -53,13 +52,13 @@ impl Chip {
         let mut mcu = Stm32f427::new().context("the models of the part don't fit together")?;
         mcu.rcc.attach_crystals(crystal_hz, 0);
         mcu.set_supply(SUPPLY_MV);
-        mcu.usart[USART2].attach(SerialLine::default());
+        mcu.usart[wiring.link_port].attach(SerialLine::default());
         if wiring.has_gate_driver {
             let pin = PortPin::new(13).expect("a port has 16 pins");
             let select = Select { port: "GPIOC", pin, active: Level::Low };
             mcu.spi[SPI3].attach_selected(GateDriver::default(), select);
         }
-        Ok(Self { mcu, has_mpu })
+        Ok(Self { mcu, link_port: wiring.link_port, has_mpu })
     }
 
     /// Keeps a crystal that has been enabled from starting. In the model an empty pin starts as a crystal does, but an oscillator
@@ -76,12 +75,12 @@ impl Chip {
         self.mcu.spi[SPI3].chip_mut(0)
     }
 
-    /// The far end of USART2.
+    /// The far end of the link.
     ///
     /// # Panics
     /// Never: [`Self::new`] attaches it.
     pub fn serial_line(&mut self) -> &mut SerialLine {
-        self.mcu.usart[USART2].chip_mut().expect("the line of the constructor")
+        self.mcu.usart[self.link_port].chip_mut().expect("the line of the constructor")
     }
 }
 

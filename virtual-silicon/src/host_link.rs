@@ -1,4 +1,4 @@
-//! A program at the far end of USART2, paced by the wall clock or in lockstep with the chip.
+//! A program at the far end of the link, paced by the wall clock or in lockstep with the chip.
 
 use std::io::{self, Read, Write};
 use std::ops::ControlFlow;

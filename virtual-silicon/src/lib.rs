@@ -1,7 +1,7 @@
 //! Virtual silicon: the drive's unmodified image on register-level models of its chip.
 //!
 //! The models are those of the crate `rigless`: an STM32F427, which has every block of the STM32F405 that the image uses.
-//! They are made from the reference manual RM0090, not from hardware; `docs/board-evidence.md` has what only a board can show.
+//! They are made from the reference manual RM0090, not from hardware; `docs/hardware/evidence.md` has what only a board can show.
 //!
 //! | module | holds |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | [`machine`] | [`run`](machine::run): an image from reset until its surroundings end it |
 //! | [`surroundings`] | [`Surroundings`](surroundings::Surroundings): what is connected to the chip |
 //! | [`access`] | [`Violations`](access::Violations): accesses of the image that the chip would not have served |
-//! | [`serial_line`] | [`SerialLine`](serial_line::SerialLine): the far end of USART2, in device time |
+//! | [`serial_line`] | [`SerialLine`](serial_line::SerialLine): the far end of the link, in device time |
 //! | [`host_link`] | [`HostLink`](host_link::HostLink): a program at the far end |
 //! | `lockstep` | turns of host and chip, with device time that stands still |
 //! | [`pacer`] | [`Pacer`](pacer::Pacer): keeps device time from running ahead of the wall clock |

@@ -1,4 +1,4 @@
-//! `lashloop-silicon`: an image on virtual silicon, its USART2 on standard input and output or on a socket.
+//! `lashloop-silicon`: an image on virtual silicon, its link on standard input and output or on a socket.
 //!
 //! It ends when the host disconnects, or at the first access of the image that the chip would not have served. The latter is a
 //! report on standard error and the exit code 1; an image that can't run is 2.
@@ -33,7 +33,7 @@ struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Wiring::BOARDS.map(|(name, _)| name)))]
     board: Option<String>,
 
-    /// Abstract socket to connect USART2 to, instead of standard input and output
+    /// Abstract socket to connect the link to, instead of standard input and output
     #[arg(long, value_name = "NAME")]
     socket: Option<String>,
 

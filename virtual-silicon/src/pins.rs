@@ -78,7 +78,7 @@ impl<'a> Pins<'a> {
         Duration::from_nanos(self.at.0)
     }
 
-    /// The far end of USART2.
+    /// The far end of the link.
     pub fn serial_line(&mut self) -> &mut SerialLine {
         self.session.board_mut().serial_line()
     }

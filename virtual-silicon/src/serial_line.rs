@@ -1,4 +1,4 @@
-//! The far end of USART2: bytes in device time, each as long as the USART's divider makes it.
+//! The far end of the link: bytes in device time, each as long as the USART's divider makes it.
 
 use std::collections::VecDeque;
 use std::time::Duration;

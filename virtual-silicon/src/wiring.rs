@@ -143,7 +143,9 @@ pub struct Wiring {
     pub motor: EncoderInputs,
     /// The encoder at the load.
     pub load: EncoderInputs,
-    /// Link: output and input of USART2.
+    /// The serial port of the link among those of the part, from 0 for USART1.
+    pub link_port: usize,
+    /// Output and input of the link.
     pub link: [Pin; 2],
     /// PWM output, channel 1 of TIM1.
     pub pwm: Pin,
@@ -169,22 +171,27 @@ const A: usize = 0;
 const B: usize = 1;
 const C: usize = 2;
 const D: usize = 3;
-/// PA2 and PA3, on every board.
+const E: usize = 4;
+const USART2: usize = 1;
+const USART3: usize = 2;
+/// PA2 and PA3, of USART2.
 const LINK: [Pin; 2] = [Pin::alternate(A, 2, 7), Pin::pulled_up(A, 3, 7)];
 
 impl Wiring {
     /// The boards, by the names that their drives report.
-    pub const BOARDS: [(&'static str, Self); 3] = [
+    pub const BOARDS: [(&'static str, Self); 4] = [
         ("stm32f405", Self::F405_BARE),
         ("odrive-v3", Self::ODRIVE_V3),
+        ("nucleo-f429zi", Self::NUCLEO_F429ZI),
         // Its headers have the pins of the bare board.
         ("nucleo-f446re", Self::F405_BARE),
     ];
 
-    /// The bare STM32F405 board of `docs/board.md`. Alternate functions are those of the data sheet, table 9.
+    /// The bare STM32F405 board of `docs/hardware/bare-stm32f405.md`. Alternate functions are those of the data sheet, table 9.
     pub const F405_BARE: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::pulled_up(C, 6, 2), b: Pin::pulled_up(C, 7, 2) },
         load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
+        link_port: USART2,
         link: LINK,
         pwm: Pin::pulled_down(A, 8, 1),
         break_input: Some(Pin::pulled_up(B, 12, 1)),
@@ -199,10 +206,25 @@ impl Wiring {
         spi: &[],
         has_gate_driver: false,
     };
+    /// A NUCLEO-F429ZI: pins of its Zio connectors, and the serial port of its ST-Link (ST UM1974).
+    pub const NUCLEO_F429ZI: Self = Self {
+        load: EncoderInputs { timer: 2, a: Pin::pulled_up(D, 12, 2), b: Pin::pulled_up(D, 13, 2) },
+        link_port: USART3,
+        link: [Pin::alternate(D, 8, 7), Pin::pulled_up(D, 9, 7)],
+        pwm: Pin::pulled_down(E, 9, 1),
+        break_input: Some(Pin::pulled_up(E, 15, 1)),
+        enable: Pin::output(E, 7),
+        half_bridges: &[
+            (1, Pin::pulled_down(E, 9, 1), Pin::pulled_down(E, 8, 1)),
+            (2, Pin::pulled_down(E, 11, 1), Pin::pulled_down(E, 10, 1)),
+        ],
+        ..Self::F405_BARE
+    };
     /// An ODrive v3.5 or v3.6, phases A and B of M0, after the pin names of the board's own firmware.
     pub const ODRIVE_V3: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::pulled_up(B, 4, 2), b: Pin::pulled_up(B, 5, 2) },
         load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
+        link_port: USART2,
         link: LINK,
         pwm: Pin::alternate(A, 8, 1),
         break_input: None,

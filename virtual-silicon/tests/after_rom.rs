@@ -50,8 +50,13 @@ const NOTE: u32 = 0x2002_8000;
 const JUMPED: u32 = 0x600d_f00d;
 /// The request of firmware/src/board/loader.rs.
 const REQUEST: u64 = 0x5245_4f4c;
-const IMAGES: [&str; 3] =
-    ["lashloop-firmware", "lashloop-firmware-odrive-v3", "lashloop-firmware-nucleo-f446re"];
+/// The images, and the serial port of each one's link, from 0 for USART1.
+const IMAGES: [(&str, usize); 4] = [
+    ("lashloop-firmware", 1),
+    ("lashloop-firmware-odrive-v3", 1),
+    ("lashloop-firmware-nucleo-f446re", 1),
+    ("lashloop-firmware-nucleo-f429zi", 2),
+];
 
 /// How the chip came to the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -163,7 +168,7 @@ fn rom(case: Case) -> Vec<u8> {
     table.chain(handler).chain(start).flat_map(u32::to_le_bytes).collect()
 }
 
-/// The far end of USART2.
+/// The far end of the link.
 #[derive(Debug, Default)]
 struct Line {
     to_chip: Vec<u8>,
@@ -222,6 +227,7 @@ impl Board for Chip {
 
 struct Run {
     lsi: LsiCapture,
+    port: usize,
     case: Case,
     request_at: u64,
     has_requested: bool,
@@ -257,7 +263,7 @@ impl Driver<Chip> for Run {
         }
         if !self.has_greeted {
             self.has_greeted = true;
-            let line: &mut Line = session.board_mut().mcu.usart[1].chip_mut().expect("the line");
+            let line: &mut Line = session.board_mut().mcu.usart[self.port].chip_mut().expect("the line");
             line.to_chip.extend([0].iter().chain(&*HostMessage::from(Hello::new(7)).frame()));
         }
         if stop.at.0 < END {
@@ -275,11 +281,11 @@ fn image(name: &str) -> Symbols {
 }
 
 /// What is wrong with a start of an image.
-fn start(image: &Symbols, case: Case) -> Result<(), String> {
+fn start(image: &Symbols, port: usize, case: Case) -> Result<(), String> {
     let mut mcu = Stm32f427::new().expect("models");
     mcu.rcc.attach_crystals(8_000_000, 0);
     mcu.set_supply(3_300);
-    mcu.usart[1].attach(Line::default());
+    mcu.usart[port].attach(Line::default());
     let at_zero = if case.entry == Entry::Pins { "system" } else { "flash" };
     let session = Session::new(Box::new(Chip { mcu, at_zero }), 0, VirtualNanos(10)).expect("a chip");
     let images = [
@@ -289,6 +295,7 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
     let request_at = image.variable("WORD").expect("the word of the loader");
     let run = Run {
         lsi: LsiCapture::after_reset(VirtualNanos(0)),
+        port,
         case,
         request_at,
         has_requested: false,
@@ -302,7 +309,7 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
     if !session.resets().is_empty() {
         return Err(format!("{:?}", session.resets()));
     }
-    let line: &mut Line = session.board_mut().mcu.usart[1].chip_mut().expect("the line");
+    let line: &mut Line = session.board_mut().mcu.usart[port].chip_mut().expect("the line");
     let from_chip = std::mem::take(&mut line.from_chip);
     let bytes: Vec<_> = from_chip.iter().map(|(_, byte)| *byte).collect();
     let (mut decoder, mut rest) = (Decoder::new(), &bytes[..]);
@@ -328,10 +335,10 @@ fn start(image: &Symbols, case: Case) -> Result<(), String> {
 
 #[test]
 fn every_image_answers_at_the_stated_speed_after_every_start() {
-    for name in IMAGES {
+    for (name, port) in IMAGES {
         let image = image(name);
         for case in [AFTER_RESET].into_iter().chain(cases()) {
-            start(&image, case).unwrap_or_else(|problem| panic!("{name}, {case:?}: {problem}"));
+            start(&image, port, case).unwrap_or_else(|problem| panic!("{name}, {case:?}: {problem}"));
         }
     }
 }
@@ -344,7 +351,8 @@ fn a_start_fails_without_any_part_of_the_entry() {
             image.with_piece("__pre_init", &piece, &Code::default().halfwords(&[NOTHING, *next]))
         })
     };
-    let image = image(IMAGES[0]);
+    let (name, port) = IMAGES[0];
+    let image = image(name);
     let careless = [
         // Each of them replaces the other: cpsid i, movs r0; str r0, [r1], mvns r2, r0.
         ("mask and SysTick", without(&image, &[[MASK_INTERRUPTS, 0x2000], [0x6008, 0x43c2]])),
@@ -355,8 +363,8 @@ fn a_start_fails_without_any_part_of_the_entry() {
     ];
     for (part, careless) in careless {
         let careless = careless.unwrap_or_else(|error| panic!("{part}: {error}"));
-        start(&careless, AFTER_RESET).unwrap_or_else(|problem| panic!("without {part}: {problem}"));
-        let failed = cases().into_iter().find(|case| start(&careless, *case).is_err());
+        start(&careless, port, AFTER_RESET).unwrap_or_else(|problem| panic!("without {part}: {problem}"));
+        let failed = cases().into_iter().find(|case| start(&careless, port, *case).is_err());
         println!("without {part}: {failed:?}");
         assert!(failed.is_some(), "no start needs {part}");
     }

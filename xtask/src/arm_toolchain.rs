@@ -34,9 +34,10 @@ const DRIVE: Program = Program {
     features: "image,lashloop-firmware/board-f405-bare",
 };
 /// The drive on each board.
-pub(crate) const DRIVES: [Program; 3] = [
+pub(crate) const DRIVES: [Program; 4] = [
     // The last one: all builds have one place, and the last one stays there.
     Program { image: "lashloop-firmware-odrive-v3", features: "image,board-odrive-v3", ..DRIVE },
+    Program { image: "lashloop-firmware-nucleo-f429zi", features: "image,board-nucleo-f429zi", ..DRIVE },
     Program { image: "lashloop-firmware-nucleo-f446re", features: "image,board-nucleo-f446re", ..DRIVE },
     DRIVE,
 ];

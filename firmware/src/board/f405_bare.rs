@@ -18,14 +18,16 @@
 //! All inputs have pull-ups: an open break input stops the power stage, and an open channel of an encoder has no edges. The
 //! power stage needs a pull-down at its enable input, because all pins are inputs during a reset.
 
-use stm32f4xx_hal::gpio::{Alternate, Output, PB0, PB6, PB7, PB12, PC6, PC7, Pull};
-use stm32f4xx_hal::pac::{GPIOB, SPI3, TIM1, TIM3, TIM4};
+use stm32f4xx_hal::gpio::{
+    Alternate, Output, PA2, PA3, PA8, PA9, PA11, PA12, PB0, PB6, PB7, PB12, PC6, PC7, Pull, gpiob, gpioc,
+};
+use stm32f4xx_hal::pac::{GPIOB, Interrupt, SPI3, TIM1, TIM3, TIM4, USART2, USART3};
 use stm32f4xx_hal::rcc::Rcc;
 
+use super::amplifier::AmplifierLines;
 use super::encoder::Encoder;
 use super::ports::Ports;
-use super::pwm_stage::{PwmStage, StageLines, clear_main_output};
-use crate::power_stage::{PowerStageFault, StageMode};
+use super::pwm_stage::PwmStage;
 
 /// Whether OSC_IN has a clock, and not a crystal.
 #[cfg_attr(feature = "board-nucleo-f446re", expect(dead_code, reason = "the board has a clock"))]
@@ -38,6 +40,21 @@ pub(super) const NAME: &str = "stm32f405";
 pub(super) type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
 pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
 
+/// The port of the link.
+pub(super) type LinkPort = USART2;
+pub(super) const LINK: Interrupt = Interrupt::USART2;
+pub(super) type LinkPins = (PA2, PA3);
+/// The pins of bench mode.
+pub(super) type BenchPins = (PA8, PA9, gpiob::Parts, gpioc::Parts);
+
+/// Port and pins of the link, pins of the USB port, and of bench mode.
+pub(super) fn share(
+    Ports { a, b, c, .. }: Ports,
+    (port, _): (USART2, USART3),
+) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
+    ((port, (a.pa2, a.pa3)), (a.pa11, a.pa12), (a.pa8, a.pa9, b, c))
+}
+
 /// The lines of the amplifier.
 pub struct Lines {
     /// Break input, high while the amplifier isn't ready.
@@ -46,29 +63,16 @@ pub struct Lines {
     enable: PB0<Output>,
 }
 
-impl StageLines for Lines {
-    const MODES: &'static [StageMode] = &[
-        StageMode::Amplifier,
-        StageMode::PwmDirection,
-        StageMode::TwoPwmCoast,
-        StageMode::TwoPwmBrake,
-        StageMode::Complementary,
-    ];
-    // 500 ns: more than drivers with their own dead time and discrete switches for 24 to 48 V need.
-    const DEAD_TIME_CYCLES: u8 = 84;
-    const HAS_BREAK: bool = true;
+impl AmplifierLines for Lines {
+    fn is_broken(&self) -> bool {
+        self.not_ready.is_high()
+    }
 
-    fn enable(&mut self) {
+    fn raise_enable(&mut self) {
         self.enable.set_high();
     }
 
-    fn fault(&mut self, _is_off: bool) -> Option<PowerStageFault> {
-        self.not_ready.is_high().then_some(PowerStageFault::BreakInput)
-    }
-
-    #[inline(never)]
-    fn switch_off() {
-        clear_main_output();
+    fn lower_enable() {
         // SAFETY: a store that only turns off; the owner never runs again, or turns on again as it would have.
         #[allow(unsafe_code)]
         let port = unsafe { GPIOB::steal() };
@@ -78,7 +82,7 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
-    ((_, first, second, _), b, c, _): Ports,
+    (first, second, b, c): BenchPins,
     (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {

@@ -10,7 +10,7 @@ use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
-use stm32f4xx_hal::pac::{Interrupt, USART2};
+use stm32f4xx_hal::pac::Interrupt;
 
 /// Polls of the transmitter before a byte is given up: at 168 MHz about 100 times the duration of a byte.
 const POLLS_PER_BYTE: u32 = 20_000;
@@ -51,7 +51,7 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     send(&fault_frame(code, detail, device_clock::now()));
     usb_port::disconnect();
     // An interrupt that stays enabled and pending would end every sleep at once.
-    NVIC::mask(Interrupt::USART2);
+    NVIC::mask(fitted::LINK);
     NVIC::mask(Interrupt::OTG_FS);
     // SAFETY: as in `send`: the owner of SysTick never runs again.
     #[allow(unsafe_code)]
@@ -71,7 +71,7 @@ fn stop(code: FaultCode, detail: u32) -> ! {
 fn send(bytes: &[u8]) {
     // SAFETY: interrupts are off and control never returns to the owner of the USART.
     #[allow(unsafe_code)]
-    let usart = unsafe { USART2::steal() };
+    let usart = unsafe { fitted::LinkPort::steal() };
     for byte in bytes {
         if !(0..POLLS_PER_BYTE).any(|_| usart.sr().read().txe().bit_is_set()) {
             return;

@@ -1,8 +1,14 @@
 //! The board that the features select.
 
-#[cfg(not(any(feature = "board-odrive-v3", feature = "board-nucleo-f446re")))]
-pub(super) use super::f405_bare::{HAS_CLOCK, Lines, LoadEncoder, MotorEncoder, NAME, start};
+#[cfg(not(any(
+    feature = "board-odrive-v3",
+    feature = "board-nucleo-f429zi",
+    feature = "board-nucleo-f446re"
+)))]
+pub(super) use super::f405_bare::*;
+#[cfg(feature = "board-nucleo-f429zi")]
+pub(super) use super::nucleo_f429zi::*;
 #[cfg(feature = "board-nucleo-f446re")]
-pub(super) use super::nucleo_f446re::{HAS_CLOCK, Lines, LoadEncoder, MotorEncoder, NAME, start};
+pub(super) use super::nucleo_f446re::*;
 #[cfg(feature = "board-odrive-v3")]
-pub(super) use super::odrive_v3::{HAS_CLOCK, Lines, LoadEncoder, MotorEncoder, NAME, start};
+pub(super) use super::odrive_v3::*;

@@ -1,6 +1,6 @@
-//! The program of the board: the library's drive between USART2 and the device clock.
+//! The program of the board: the library's drive between its line and the device clock.
 
-/// Makes an image for the board: a drive with these laws between USART2 and the device clock.
+/// Makes an image for the board: a drive with these laws between its line and the device clock.
 ///
 /// The image is a file of three lines, with `lashloop-firmware` under the feature `image`:
 ///
@@ -19,7 +19,7 @@
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
 /// | `monitor` | TIM2 | 4 | a step that never ends leaves no torque on |
-/// | `usart` | USART2 | 3 | 11 us from one byte to the next |
+/// | `usart` | USART2, or the serial port of the board | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
 /// | `step` | TIM5 | 2 | a control step waits for one request at most |
 /// | `overdue` | EXTI0, pended by `monitor` | 2 | the drive belongs to tasks of this priority |
@@ -28,6 +28,9 @@
 #[macro_export]
 macro_rules! image {
     ($laws:ty) => {
+        $crate::image_of_board!($laws);
+    };
+    ($laws:ty, $usart:ident) => {
         type LawsOfImage = $laws;
 
         // RTIC's expansion takes the peripherals and unmasks interrupts. Nothing else here is unsafe.
@@ -70,7 +73,7 @@ macro_rules! image {
                 (shared, Local { ticker, steps, usart, lines })
             }
 
-            #[task(binds = USART2, priority = 3, local = [usart], shared = [&line_errors])]
+            #[task(binds = $usart, priority = 3, local = [usart], shared = [&line_errors])]
             fn usart(cx: usart::Context) {
                 let to_serve = cx.local.usart.serve().unwrap_or_else(|LineError| {
                     cx.shared.line_errors.fetch_add(1, Ordering::Relaxed);
@@ -167,5 +170,26 @@ macro_rules! image {
                 }
             }
         }
+    };
+}
+
+/// The image with the interrupt of the board's serial port. The condition stands here, because in an expansion it would be one of the
+/// crate with the laws.
+#[doc(hidden)]
+#[cfg(not(feature = "board-nucleo-f429zi"))]
+#[macro_export]
+macro_rules! image_of_board {
+    ($laws:ty) => {
+        $crate::image!($laws, USART2);
+    };
+}
+
+/// As above.
+#[doc(hidden)]
+#[cfg(feature = "board-nucleo-f429zi")]
+#[macro_export]
+macro_rules! image_of_board {
+    ($laws:ty) => {
+        $crate::image!($laws, USART3);
     };
 }

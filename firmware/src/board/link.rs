@@ -1,4 +1,4 @@
-//! The link: USART2 on PA2 (out) and PA3 (in), 8N1.
+//! The link: the serial port of the board, 8N1.
 //!
 //! The interrupt queues received bytes. Two ways lead out, and [`open`] chooses one:
 //!
@@ -7,12 +7,12 @@
 //! | silicon | the interrupt writes a queued byte whenever the data register is empty: no task waits for the line |
 //! | QEMU | the task that serves the drive polls the data register: QEMU never raises the transmitter's interrupts. Bytes and ticks interrupt the polling |
 
+use super::fitted::{LINK, LinkPins, LinkPort};
 use crate::usb::{ByteLine, CHUNK_BYTES, Chunk};
 use cortex_m::peripheral::NVIC;
 use heapless::{Vec, spsc};
-use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
+use stm32f4xx_hal::gpio::Pull;
 use stm32f4xx_hal::nb;
-use stm32f4xx_hal::pac::{Interrupt, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx, TxISR, TxListen};
@@ -47,14 +47,14 @@ pub struct LineError;
 
 /// Owned by the interrupt.
 pub struct UsartInterrupt {
-    rx: Rx<USART2>,
+    rx: Rx<LinkPort>,
     received: spsc::Producer<'static, u8>,
     /// `None` where the task polls.
     transmitter: Option<Transmitter>,
 }
 
 struct Transmitter {
-    tx: Tx<USART2>,
+    tx: Tx<LinkPort>,
     queue: spsc::Consumer<'static, u8>,
     /// Whether an empty data register raises the interrupt.
     is_listening: bool,
@@ -68,13 +68,12 @@ pub struct Usart {
 
 enum Output {
     Interrupt { queue: spsc::Producer<'static, u8>, is_loaded: bool },
-    Polling { tx: Tx<USART2>, piece: Vec<u8, CHUNK_BYTES> },
+    Polling { tx: Tx<LinkPort>, piece: Vec<u8, CHUNK_BYTES> },
 }
 
 /// Opens the link and enables the receive interrupt.
 pub(super) fn open(
-    usart: USART2,
-    (out_pin, in_pin): (PA2, PA3),
+    (usart, (out_pin, in_pin)): (LinkPort, LinkPins),
     rcc: &mut Rcc,
     queues: &'static mut Queues,
     transmission: Transmission,
@@ -178,7 +177,7 @@ impl ByteLine for Usart {
         match &mut self.output {
             Output::Interrupt { is_loaded, .. } => {
                 if core::mem::take(is_loaded) {
-                    NVIC::pend(Interrupt::USART2);
+                    NVIC::pend(LINK);
                 }
             }
             Output::Polling { tx, piece } => {

@@ -8,13 +8,15 @@
 //!
 //! [`image!`](crate::image) makes a program of the board and a set of laws.
 
+#[cfg(not(feature = "board-odrive-v3"))]
+mod amplifier;
 mod bench;
 mod clock_tree;
 mod crystal;
 mod device_clock;
 mod encoder;
 mod entry;
-#[cfg(not(feature = "board-odrive-v3"))]
+#[cfg(not(any(feature = "board-odrive-v3", feature = "board-nucleo-f429zi")))]
 mod f405_bare;
 mod fault_handlers;
 mod fitted;
@@ -24,6 +26,8 @@ mod image;
 mod last_resort;
 mod link;
 pub mod loader;
+#[cfg(feature = "board-nucleo-f429zi")]
+mod nucleo_f429zi;
 #[cfg(feature = "board-nucleo-f446re")]
 mod nucleo_f446re;
 #[cfg(feature = "board-odrive-v3")]
@@ -45,7 +49,6 @@ pub use tick_monitor::TickMonitor;
 
 use cortex_m::peripheral::{MPU, SYST};
 use lashloop_protocol::enums::LogLevel;
-use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals};
 
 use crate::drive::Drive;
@@ -88,7 +91,7 @@ pub struct Board<L: LawSet> {
     pub clock: DeviceClock,
     /// The counter of the clock, for the task of SysTick.
     pub ticker: Ticker,
-    /// The receiver and the transmitter, for the task of USART2.
+    /// The receiver and the transmitter, for the task of its port.
     pub usart: UsartInterrupt,
     /// The lines, for the task that serves the drive.
     pub lines: Lines,
@@ -107,14 +110,15 @@ pub fn start<L: LawSet>(
     // After the loader, whose own variables are there.
     stack_guard::start(mpu);
     let (mut rcc, source) = clock_tree::start(device.RCC, &device.TIM5, emulated);
-    let gpioa = device.GPIOA.split(&mut rcc);
+    let ports = Ports::new((device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE), &mut rcc);
+    let (link, usb_pins, bench_pins) = fitted::share(ports, (device.USART2, device.USART3));
     let Memory { queues, usb } = memory;
     let transmission = if emulated { Transmission::Polling } else { Transmission::Interrupt };
-    let (usart, uart) = link::open(device.USART2, (gpioa.pa2, gpioa.pa3), &mut rcc, queues, transmission);
+    let (usart, uart) = link::open(link, &mut rcc, queues, transmission);
     let usb = match source {
         Source::Crystal => {
             let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
-            usb_port::open(core, (gpioa.pa11, gpioa.pa12), &mut rcc, usb)
+            usb_port::open(core, usb_pins, &mut rcc, usb)
         }
         Source::Emulator | Source::InternalOscillator(_) => None,
     };
@@ -123,14 +127,8 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
         Source::Crystal | Source::InternalOscillator(_) => {
-            let ports: Ports = (
-                (gpioa.pa7, gpioa.pa8, gpioa.pa9, gpioa.pa10),
-                device.GPIOB.split(&mut rcc),
-                device.GPIOC.split(&mut rcc),
-                device.GPIOD.split(&mut rcc),
-            );
             let timers = (device.TIM1, device.TIM3, device.TIM4, device.SPI3);
-            let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
+            let (motor, load, stage) = fitted::start(bench_pins, timers, &mut rcc);
             let reason = match source {
                 // Its periods are too inaccurate for a motor, and nothing would notice that it drifts.
                 Source::InternalOscillator(why) => Some(why.text()),

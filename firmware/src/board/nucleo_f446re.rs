@@ -8,7 +8,7 @@
 //!
 //! Its USB connector is that of the ST-Link; the chip's own port stays off.
 
-pub(super) use super::f405_bare::{Lines, LoadEncoder, MotorEncoder, start};
+pub(super) use super::f405_bare::{LINK, Lines, LinkPins, LinkPort, LoadEncoder, MotorEncoder, share, start};
 
 /// Name of the board.
 pub(super) const NAME: &str = "nucleo-f446re";

@@ -18,8 +18,11 @@
 //! the cause, see `gate_driver`. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and
 //! reports a fault until then. The bridge is off while TIM1 holds all gates low.
 
-use stm32f4xx_hal::gpio::{Alternate, Input, PA8, PA9, PB4, PB5, PB6, PB7, PB13, PB14, PD2, PinState, Pull};
-use stm32f4xx_hal::pac::{SPI3, TIM1, TIM3, TIM4};
+use stm32f4xx_hal::gpio::{
+    Alternate, Input, PA2, PA3, PA7, PA8, PA9, PA10, PA11, PA12, PB4, PB5, PB6, PB7, PB13, PB14, PD2,
+    PinState, Pull, gpiob, gpioc, gpiod,
+};
+use stm32f4xx_hal::pac::{Interrupt, SPI3, TIM1, TIM3, TIM4, USART2, USART3};
 use stm32f4xx_hal::rcc::Rcc;
 
 use super::encoder::Encoder;
@@ -33,6 +36,21 @@ pub(super) const HAS_CLOCK: bool = false;
 
 /// Name of the board.
 pub(super) const NAME: &str = "odrive-v3";
+
+/// The port of the link.
+pub(super) type LinkPort = USART2;
+pub(super) const LINK: Interrupt = Interrupt::USART2;
+pub(super) type LinkPins = (PA2, PA3);
+/// The pins of bench mode.
+pub(super) type BenchPins = ((PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
+
+/// Port and pins of the link, pins of the USB port, and of bench mode.
+pub(super) fn share(
+    Ports { a, b, c, d, .. }: Ports,
+    (port, _): (USART2, USART3),
+) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
+    ((port, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
+}
 
 pub(super) type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
 pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
@@ -64,7 +82,7 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
-    ((pa7, pa8, pa9, pa10), b, c, d): Ports,
+    ((pa7, pa8, pa9, pa10), b, c, d): BenchPins,
     (pwm, motor, load, spi): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {

@@ -106,10 +106,6 @@ struct Observed {
     illegal_at_reset: u32,
     /// Largest speed in counts per second. One count of each difference is subtracted, as in the check of a run.
     fastest_counts_per_s: f32,
-    /// Where it has rested since it last moved.
-    place: Option<EncoderCounts>,
-    /// When it last moved, if ever.
-    moved_at: Option<Duration>,
 }
 
 /// The pins since power-up or reset: a history that arming requires to be plausible.
@@ -119,11 +115,22 @@ pub(super) struct Pins {
     latest: Option<(PinReadings, Duration)>,
     motor: Observed,
     load: Observed,
+    /// Where motor and load have rested since one of them last moved.
+    place: [EncoderCounts; 2],
+    /// When one of them last moved, if ever.
+    moved_at: Option<Duration>,
 }
 
 impl Pins {
     pub(super) fn new(hardware: PinHardware) -> Self {
-        Self { hardware, latest: None, motor: Observed::default(), load: Observed::default() }
+        Self {
+            hardware,
+            latest: None,
+            motor: Observed::default(),
+            load: Observed::default(),
+            place: [EncoderCounts::default(); 2],
+            moved_at: None,
+        }
     }
 
     pub(super) fn hardware(&self) -> &PinHardware {
@@ -146,20 +153,25 @@ impl Pins {
 
     /// Takes the readings of a period.
     pub(super) fn note(&mut self, readings: &PinReadings, due: Duration) {
+        let place = [readings.motor.counts, readings.load.counts];
         if let Some((before, then)) = self.latest {
             let elapsed = due.saturating_sub(then);
             self.motor.note(before.motor, readings.motor, elapsed);
             self.load.note(before.load, readings.load, elapsed);
+            let moved = |axis: usize| place[axis].wrapping_sub(self.place[axis]).unsigned_abs() > REST_COUNTS;
+            if moved(0) || moved(1) {
+                self.place = place;
+                self.moved_at = Some(due);
+            }
+        } else {
+            self.place = place;
         }
-        self.motor.note_place(readings.motor.counts, due);
-        self.load.note_place(readings.load.counts, due);
         self.latest = Some((*readings, due));
     }
 
     /// Whether motor and load have rested for a while.
     pub(super) fn rested(&self, now: Duration) -> bool {
-        let rested = |it: &Observed| it.moved_at.is_none_or(|then| now.saturating_sub(then) >= REST);
-        rested(&self.motor) && rested(&self.load)
+        self.moved_at.is_none_or(|then| now.saturating_sub(then) >= REST)
     }
 
     /// Whether the pins allow torque.
@@ -197,14 +209,6 @@ impl Observed {
         let speed = moved as f32 / (elapsed.subsec_nanos() as f32 * 1e-9);
         if speed > self.fastest_counts_per_s {
             self.fastest_counts_per_s = speed;
-        }
-    }
-
-    fn note_place(&mut self, counts: EncoderCounts, due: Duration) {
-        let place = self.place.get_or_insert(counts);
-        if counts.wrapping_sub(*place).unsigned_abs() > REST_COUNTS {
-            *place = counts;
-            self.moved_at = Some(due);
         }
     }
 

@@ -1,4 +1,4 @@
-//! Which of two lines a drive serves: USART2 or its USB port.
+//! Which of two lines a drive serves: its serial line or its USB port.
 //!
 //! A drive has one session. Its answers go to the line of the last bytes that it took. During a run the other line is
 //! ignored: noise on an open USART, or a second host, can't disturb it. The watchdog ends a run whose host sends nothing, so no
@@ -9,7 +9,7 @@ use lashloop_protocol::enums::State;
 /// A line to a host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Line {
-    /// USART2 on its pins.
+    /// The serial line.
     Usart,
     /// The USB port.
     Usb,

@@ -11,7 +11,8 @@ const ELSEWHERE: [&str; 2] = ["target", "out"];
 
 fn documents() -> Vec<PathBuf> {
     let root = workspace();
-    let folders = ["docs", "docs/protocol"].map(|folder| fs::read_dir(root.join(folder)).expect("a folder"));
+    let folders = ["docs", "docs/extend", "docs/hardware", "docs/protocol"]
+        .map(|folder| fs::read_dir(root.join(folder)).expect("a folder"));
     let mut documents: Vec<_> = folders
         .into_iter()
         .flatten()

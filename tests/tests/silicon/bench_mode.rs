@@ -62,7 +62,7 @@ pub(crate) fn reports_every_fourth_step() {
 }
 
 /// The images of the boards besides the bare one.
-const OTHER_BOARDS: [&str; 2] = ["odrive-v3", "nucleo-f446re"];
+const OTHER_BOARDS: [&str; 3] = ["odrive-v3", "nucleo-f446re", "nucleo-f429zi"];
 
 /// A run of 0.3 s on the image of a board, or elsewhere.
 fn short_run(scenario: &str, device: &str) -> Records {

@@ -38,7 +38,7 @@ pub fn odrive_image() -> Symbols {
     image_of("lashloop-firmware-odrive-v3")
 }
 
-fn image_of(name: &str) -> Symbols {
+pub fn image_of(name: &str) -> Symbols {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
     Symbols::read(&path).expect("`cargo xtask image` builds the image")
 }

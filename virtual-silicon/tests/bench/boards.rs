@@ -1,4 +1,4 @@
-//! The image of the second board: an ODrive, with a bridge of its own and no break input.
+//! The images of other boards: an ODrive, with a bridge of its own and no break input, and a NUCLEO-F429ZI, with other pins.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::{ClearFault, Stop};
 use lashloop_silicon::wiring::{Encoder, Wiring};
 
-use crate::bench::odrive_image;
+use crate::bench::{image_of, odrive_image};
 use crate::causes::CAUSES;
 use crate::host::{Host, SESSION};
 use crate::time_to_off::of_each;
@@ -134,4 +134,33 @@ fn every_cause_without_a_break_input_turns_off_all_gates_of_an_odrive() {
         let limit = (cause.limit)(INSTANT.0);
         assert!(off.is_some_and(|off| off <= limit), "{}: off after {off:?}, limit {limit:?}", cause.name);
     }
+}
+
+#[test]
+fn a_nucleo_f429zi_counts_drives_and_stops_at_its_own_pins() {
+    let mut host = Host::under_torque(&image_of("lashloop-firmware-nucleo-f429zi"), Duration::from_millis(1));
+    assert_eq!(host.bench.act(|chip, _| chip.misconfigured()), [""; 0]);
+    host.bench.turn(9e3, 3e3);
+    host.steps(100, 0.0);
+    host.bench.turn(0.0, 0.0);
+    let sample = *host.steps(3, 0.0).last().expect("samples");
+    let wires = host.bench.act(|_, site| (site.train.count(Encoder::Motor), site.train.count(Encoder::Load)));
+    assert!(wires.0 > 800 && wires.1 > 250, "{wires:?}");
+    assert_eq!((i64::from(sample.motor_counts.get()), i64::from(sample.load_counts.get())), wires);
+    // Not ready, or its wire cut.
+    for level in [Some(true), None] {
+        let instant = host.bench.now();
+        host.bench.act(move |chip, _| chip.drive_break(level));
+        host.steps(3, 1.0);
+        let off = host.bench.time_to_off(instant).expect("the bridge off");
+        assert!(off <= Duration::from_micros(1), "{off:?}");
+        assert!(!host.bench.bridge().is_enabled, "the enable line is low");
+        let [fault] = host.faults()[..] else { panic!("one fault") };
+        assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 1));
+        host.bench.act(|chip, _| chip.drive_break(Some(false)));
+        host.steps(3, 1.0);
+        assert_eq!(host.command(ClearFault {}), (Outcome::Accepted, State::Idle));
+        host.run_under_torque();
+    }
+    assert_eq!(host.shake_hands(SESSION).board.as_str(), "nucleo-f429zi");
 }

@@ -1,10 +1,10 @@
-//! Tables of docs/power-stage.md against what the tests measure.
+//! Tables of docs/hardware/stages.md against what the tests measure.
 
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-const PAGE: &str = "docs/power-stage.md";
+const PAGE: &str = "docs/hardware/stages.md";
 
 /// The row that begins with these cells; the rest of its cells.
 pub fn row(first: &str) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! The drive's image, unmodified, in bench mode on virtual silicon. A host speaks the protocol over USART2 in device time.
+//! The drive's image, unmodified, in bench mode on virtual silicon. A host speaks the protocol over its link in device time.
 
 mod arming;
 mod bench;

@@ -11,7 +11,7 @@ use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Architecture, LittleEndian, Object, ObjectSymbol};
 
-/// Flash of the STM32F405xG. That of the other chips is smaller, and larger than any image.
+/// Flash of the STM32F405xG. That of every other chip is larger than any image too.
 pub const FLASH: Range<u32> = 0x0800_0000..0x0810_0000;
 /// RAM of the STM32F405 that a stack can begin in; its upper end is the first address after it.
 const RAM: Range<u32> = 0x2000_0000..0x2002_0001;
@@ -29,7 +29,11 @@ const BOARD: &str = "_lashloop_board_";
 /// The chip of a board, as probe-rs names it.
 #[must_use]
 pub fn chip_of(board: &str) -> &'static str {
-    if board == "nucleo-f446re" { "STM32F446RETx" } else { "STM32F405RGTx" }
+    match board {
+        "nucleo-f429zi" => "STM32F429ZITx",
+        "nucleo-f446re" => "STM32F446RETx",
+        _ => "STM32F405RGTx",
+    }
 }
 
 /// Why an ELF can't be flashed.

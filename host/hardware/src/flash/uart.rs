@@ -29,8 +29,8 @@ pub(super) fn look(target: &Target, runner: &Runner<'_>) -> Result<(), String> {
     let found = runner.run(Way::Uart, arguments(&[], port), LOOK_LIMIT);
     found.map(drop).map_err(|error| {
         format!(
-            "no boot loader answers on {} ({error}): hold BOOT0 high during a reset; the loader listens on USART1 and USART3, \
-             not on USART2",
+            "no boot loader answers on {} ({error}): hold BOOT0 high during a reset; the loader listens on USART1 and USART3 (PA9 and \
+             PA10, PB10 and PB11), not on the pins of the drive's link",
             port.display()
         )
     })
