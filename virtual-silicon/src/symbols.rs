@@ -141,8 +141,14 @@ impl Symbols {
     /// The only symbol of this name.
     fn find(&self, name: &str, kind: SymbolKind) -> Result<Found> {
         let file = self.elf()?;
-        // Both ways of mangling put the length before the name.
-        let mangled: String = name.split("::").map(|segment| format!("{}{segment}", segment.len())).collect();
+        // Both ways of mangling put the length before the name. The newer one separates the two where the name begins with an
+        // underscore.
+        let mangled = |separator: &str| -> String {
+            let separator = |segment: &str| if segment.starts_with('_') { separator } else { "" }.to_owned();
+            let segments = name.split("::");
+            segments.map(|segment| format!("{}{}{segment}", segment.len(), separator(segment))).collect()
+        };
+        let mangled = [mangled(""), mangled("_")];
         let named = |is_it: &dyn Fn(&str) -> bool| -> Vec<_> {
             let symbols = file.symbols().filter(|symbol| symbol.kind() == kind);
             symbols.filter(|symbol| symbol.name().is_ok_and(is_it)).collect()
@@ -150,7 +156,7 @@ impl Symbols {
         // A name that is not mangled comes before one that is.
         let mut found = named(&|found| found == name);
         if found.is_empty() {
-            found = named(&|found| found.contains(&mangled));
+            found = named(&|found| mangled.iter().any(|mangled| found.contains(mangled)));
         }
         let [symbol] = &found[..] else {
             let count = found.len();

@@ -165,14 +165,17 @@ const CRASHES: [Signal; 5] = [Signal::ILL, Signal::ABORT, Signal::BUS, Signal::F
 
 impl DeviceError {
     /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside. One that has sent
-    /// no good frame and says that it succeeded may be anything, such as `cat`.
+    /// no good frame and says that it succeeded may be anything, such as `cat`, whose terminal may also be gone once we hang up: one
+    /// that was silent all the time has not ended before.
     #[must_use]
     pub fn has_crashed(&self) -> bool {
         let Self::Ended { name: COMMAND, status, source, .. } = self else { return false };
-        if let SessionError::Broken { last_seen, .. } | SessionError::Silent { last_seen, .. } = &**source
-            && last_seen.frame.is_none()
-            && status.success()
-        {
+        let is_no_drive = match &**source {
+            SessionError::Broken { last_seen, .. } => last_seen.frame.is_none() && status.success(),
+            SessionError::Silent { last_seen, .. } => last_seen.frame.is_none(),
+            _ => false,
+        };
+        if is_no_drive {
             return false;
         }
         let signal = status.signal().and_then(Signal::from_named_raw);
