@@ -143,12 +143,10 @@ impl Symbols {
         let file = self.elf()?;
         // Both ways of mangling put the length before the name. The newer one separates the two where the name begins with an
         // underscore.
-        let mangled = |separator: &str| -> String {
-            let separator = |segment: &str| if segment.starts_with('_') { separator } else { "" }.to_owned();
-            let segments = name.split("::");
-            segments.map(|segment| format!("{}{}{segment}", segment.len(), separator(segment))).collect()
-        };
-        let mangled = [mangled(""), mangled("_")];
+        let mangled = ["", "_"].map(|separator| {
+            let of = |segment: &str| if segment.starts_with('_') { separator } else { "" };
+            name.split("::").map(|it| format!("{}{}{it}", it.len(), of(it))).collect::<String>()
+        });
         let named = |is_it: &dyn Fn(&str) -> bool| -> Vec<_> {
             let symbols = file.symbols().filter(|symbol| symbol.kind() == kind);
             symbols.filter(|symbol| symbol.name().is_ok_and(is_it)).collect()

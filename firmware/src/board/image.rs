@@ -19,7 +19,7 @@
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
 /// | `monitor` | TIM2 | 4 | a step that never ends leaves no torque on |
-/// | `usart` | USART2, or the serial port of the board | 3 | 11 us from one byte to the next |
+/// | `usart` | the serial port of the board | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
 /// | `step` | TIM5 | 2 | a control step waits for one request at most |
 /// | `overdue` | EXTI0, pended by `monitor` | 2 | the drive belongs to tasks of this priority |

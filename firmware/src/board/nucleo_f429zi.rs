@@ -13,8 +13,8 @@
 //! | PA11, PA12 | | USB | connector CN13 |
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
 //!
-//! Levels and resistors are those of `f405_bare`. The boot loader of the chip uses PE11 to PE14 too (SPI4, ST AN2606): the enable line
-//! is none of them.
+//! Levels and resistors are those of `f405_bare`. The boot loader of the chip uses PE11 to PE14 too (SPI4, ST AN2606), so the enable
+//! line has another pin.
 
 use stm32f4xx_hal::gpio::{
     Alternate, Output, PA11, PA12, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,

@@ -164,9 +164,9 @@ pub(super) const COMMAND: &str = "command";
 const CRASHES: [Signal; 5] = [Signal::ILL, Signal::ABORT, Signal::BUS, Signal::FPE, Signal::SEGV];
 
 impl DeviceError {
-    /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside. One that has sent
-    /// no good frame and says that it succeeded may be anything, such as `cat`, whose terminal may also be gone once we hang up: one
-    /// that was silent all the time has not ended before.
+    /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside. A program that has
+    /// sent no good frame and says that it succeeded may be anything, such as `cat`. One that only stayed silent has ended since, for
+    /// example because the bench closed its terminal.
     #[must_use]
     pub fn has_crashed(&self) -> bool {
         let Self::Ended { name: COMMAND, status, source, .. } = self else { return false };
