@@ -4,8 +4,9 @@
 //! |---|---|
 //! | the independent watchdog | that of the STM32F4, which has the same registers but the window (RM0433 45.4, RM0090 21.4) |
 //! | the wire from the clock security system to the break of TIM1 | the timer is built with it (RM0433 38.3.16) |
-//! | USB behind the reset register of its core | its core reports no known id, so that an image leaves USB alone |
-//! | doors for inputs of timers and clocks | [`Stm32h7::drive`] |
+//! | methods that drive inputs of timers and clocks | [`Stm32h7::drive`] |
+//!
+//! Of a USB core they have the reset register alone. The driver of an image doesn't know its id, and leaves USB alone.
 
 use std::mem;
 
@@ -16,7 +17,7 @@ use rigless::mcu::Mcu;
 use rigless::soc::st::tim::{BreakInput, BreakSource, Channel};
 use rigless::soc::stm32f427::peripherals::iwdg::Iwdg;
 use rigless::soc::stm32h743::Stm32h743;
-use rigless::soc::stm32h743::generated::{iwdg, otg1_hs_global};
+use rigless::soc::stm32h743::generated::iwdg;
 use rigless::soc::stm32h743::peripherals::gpio::PORTS;
 use rigless::soc::stm32h743::peripherals::rcc::CLOCK_FAILURE;
 use rigless::soc::stm32h743::peripherals::spi::Select;
@@ -70,9 +71,6 @@ impl Stm32h7 {
     fn complete(&mut self) {
         self.watchdog = Watchdog(Iwdg::new());
         self.part.advanced[TIM1] = Tim::new(ADVANCED_TIMERS[TIM1]).breaks_on("RCC", CLOCK_FAILURE);
-        let bus = self.part.bus_mut();
-        let usb = bus.slot_of("OTG2_HS_GLOBAL").expect("the part has it");
-        bus.slot_mut(usb).registers_mut().set(otg1_hs_global::Register::OtgHsCid, 0);
     }
 
     /// Drives an input of the model of an instance, which has a place in the part. Another model keeps the place meanwhile.
@@ -81,10 +79,10 @@ impl Stm32h7 {
         at: VirtualNanos,
         instance: &str,
         place: impl Fn(&mut Stm32h743) -> &mut M,
-        keeper: M,
+        stand_in: M,
         input: impl FnOnce(&mut M, &mut RegisterFile, &mut DeviceContext<'_>),
     ) {
-        let mut model = mem::replace(place(&mut self.part), keeper);
+        let mut model = mem::replace(place(&mut self.part), stand_in);
         let slot = self.part.bus().slot_of(instance).expect("the part has it");
         let (registers, mut context) = self.part.bus_mut().drive(at, slot);
         input(&mut model, registers, &mut context);

@@ -160,7 +160,7 @@ fn every_pin_is_connected_and_bytes_come_back() {
         assert_eq!(chip.serial_line().take(), b"on");
         // 10 bits of 1 MHz.
         assert_eq!(chip.serial_line().shortest_byte(), Some(Duration::from_micros(10)));
-        assert_eq!(copied(chip, USB_ID), 0, "a core that no driver has heard of");
+        assert_eq!(copied(chip, USB_ID), 0x1200, "a core that the driver doesn't know");
         let bridge = chip.bridge();
         assert!(bridge.is_on() && bridge.has_main_output);
         assert_eq!((bridge.duty, bridge.channels), (Some(0.3), [Some(0.3), Some(0.6)]));
