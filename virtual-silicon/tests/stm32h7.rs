@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::mpsc;
 use std::time::Duration;
 
 use lashloop_silicon::boards;
@@ -62,9 +63,9 @@ const SETTINGS: [(u32, u32); 41] = [
     (TIM4 + 0x2c, 0xffff),
     (TIM4, 1),
     // Bridge: ARR, CCR1, CCR2, CCMR1 with PWM mode 1, CCER, BDTR with a break that is active high, CR1, EGR.
-    (TIM1 + 0x2c, 999),
-    (TIM1 + 0x34, 300),
-    (TIM1 + 0x38, 600),
+    (TIM1 + 0x2c, 639),
+    (TIM1 + 0x34, 192),
+    (TIM1 + 0x38, 384),
     (TIM1 + 0x18, 0x6868),
     (TIM1 + 0x20, 0x0055),
     (TIM1 + 0x44, BREAK),
@@ -158,8 +159,9 @@ fn every_pin_is_connected_and_bytes_come_back() {
     let ended = run([act(MS, |chip| {
         assert_eq!(chip.misconfigured(), [""; 0]);
         assert_eq!(chip.serial_line().take(), b"on");
-        // 10 bits of 1 MHz.
-        assert_eq!(chip.serial_line().shortest_byte(), Some(Duration::from_micros(10)));
+        // 10 bits of 1 MHz, and instructions until the program sends a byte back.
+        let byte = chip.serial_line().shortest_byte().expect("two bytes");
+        assert!((Duration::from_micros(10)..Duration::from_nanos(10_050)).contains(&byte), "{byte:?}");
         assert_eq!(copied(chip, USB_ID), 0x1200, "a core that the driver doesn't know");
         let bridge = chip.bridge();
         assert!(bridge.is_on() && bridge.has_main_output);
@@ -176,16 +178,22 @@ fn encoders_count_in_both_directions() {
         std::iter::from_fn(move || it.step_towards(to))
             .map(move |edge| act(MS / 1_000, move |chip| chip.drive_encoder(encoder, edge)))
     };
-    let acts =
-        turn(Encoder::Motor, 0, 100).chain(turn(Encoder::Load, 0, -50)).chain(turn(Encoder::Motor, 100, 70));
+    let counts = |chip: &mut Pins<'_>| [TIM3, TIM4].map(|timer| copied(chip, timer + 0x24) as u16);
     let show = act(MS, |chip| {
         chip.set_encoder(Encoder::Motor, Quadrature::default());
         chip.set_encoder(Encoder::Load, Quadrature::default());
     });
-    let before = act(MS, |chip| assert_eq!([TIM3, TIM4].map(|timer| copied(chip, timer + 0x24)), [0, 0]));
-    let after =
-        act(MS, |chip| assert_eq!([TIM3, TIM4].map(|timer| copied(chip, timer + 0x24)), [70, 65_486]));
-    run([show, before].into_iter().chain(acts).chain([act(MS, |_| {}), after]));
+    // Pull-ups and the first levels have made counts.
+    let (sender, start) = mpsc::channel();
+    let before = act(MS, move |chip| sender.send(counts(chip)).expect("the receiver below"));
+    let after = act(MS, move |chip| {
+        let start = start.recv().expect("the counts before");
+        let turned = std::array::from_fn(|encoder| counts(chip)[encoder].wrapping_sub(start[encoder]) as i16);
+        assert_eq!(turned, [70, -50]);
+    });
+    let turns = turn(Encoder::Motor, 0, 100).chain(turn(Encoder::Load, 0, -50));
+    let turns = turns.chain(turn(Encoder::Motor, 100, 70));
+    run([show, before].into_iter().chain(turns).chain([act(MS, |_| {}), after]));
 }
 
 #[test]
