@@ -10,9 +10,9 @@ use crate::{command, paths};
 /// Builds the images and copies them to their well-known places.
 pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
-    for program in programs() {
-        command::run(&mut toolchain.build(program))?;
-        publish(program.name, program.image)?;
+    for program in programs()? {
+        command::run(&mut toolchain.build(&program))?;
+        publish(program.name, &program.image)?;
     }
     Ok(())
 }
