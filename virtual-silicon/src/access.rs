@@ -22,6 +22,12 @@ impl Violations {
                 access.instance, access.register, access.reads, access.writes, access.program_counter
             )
         });
+        let undefined = session.undefined().iter().map(|(address, access)| {
+            format!(
+                "no register: {} at {address:#010x}, first at pc {:#010x}",
+                access.instance, access.program_counter
+            )
+        });
         let unrouted = session
             .unrouted()
             .iter()
@@ -29,7 +35,15 @@ impl Violations {
         let told = session
             .told()
             .map(|told| format!("against the manual: {}.{}, {}", told.instance, told.register, told.reason));
-        Self(unmapped.chain(refused).chain(unimplemented).chain(unrouted).chain(told).collect())
+        Self(
+            unmapped
+                .chain(refused)
+                .chain(unimplemented)
+                .chain(undefined)
+                .chain(unrouted)
+                .chain(told)
+                .collect(),
+        )
     }
 
     /// Whether a run has any. Cheaper than [`Self::of`].
@@ -37,6 +51,7 @@ impl Violations {
     pub fn are_in(session: &Session<Chip>) -> bool {
         !session.refused().is_empty()
             || !session.unimplemented().is_empty()
+            || !session.undefined().is_empty()
             || !session.unrouted().is_empty()
             || session.told().next().is_some()
             || !session.unmapped().is_empty()

@@ -4,24 +4,20 @@
 //! only while the image has selected the alternate function, and an open pin has the level of its pull resistor.
 
 use rigless::device::Level;
-use rigless::soc::stm32f427::generated::gpioa;
-use rigless::soc::stm32f427::peripherals::gpio::{Gpio, Pin as PortPin};
-use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
-use crate::chip::{Chip, TIM1};
+use crate::chip::{Chip, channel_of};
 use crate::wiring::{Mode, Pin, Pull, TimerInput, Wiring};
 
-/// The levels that the timers have been given.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Inputs([Level; Wiring::INPUTS]);
+/// Registers of a port, by their offsets. AFRH follows AFRL.
+const MODER: u64 = 0x00;
+const PUPDR: u64 = 0x0c;
+const IDR: u64 = 0x10;
+const AFRL: u64 = 0x20;
 
-impl Default for Inputs {
-    /// After a reset every input of the models rests low.
-    fn default() -> Self {
-        Self([Level::Low; Wiring::INPUTS])
-    }
-}
+/// The levels that the timers have been given; `None` for an input after a reset.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Inputs([Option<Level>; Wiring::INPUTS]);
 
 impl Inputs {
     /// Gives the timers the levels of their pins at an instant.
@@ -30,39 +26,34 @@ impl Inputs {
             if !is_connected(chip, pin) {
                 continue;
             }
-            let (gpio, registers) = chip.mcu.port(pin.port);
-            let level = gpio.level(port_pin(pin), registers);
-            if std::mem::replace(known, level) == level {
+            let level = Level::from(is_high(chip, pin));
+            if known.replace(level) == Some(level) {
                 continue;
             }
             match input {
                 TimerInput::Channel { timer, channel } => {
-                    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
-                    chip.mcu.drive_timer(at, timer, |timer, registers, context| {
-                        timer.drive_input(channel, level, registers, context);
-                    });
+                    chip.part.drive_timer(at, timer, channel_of(channel), level);
                 }
-                TimerInput::Break => {
-                    chip.mcu.drive_advanced_timer(at, TIM1, |timer, registers, context| {
-                        timer.drive_break(level, registers, context);
-                    });
-                }
+                TimerInput::Break => chip.part.drive_break(at, level),
             }
         }
     }
 }
 
+/// Level of a pin.
+pub(crate) fn is_high(chip: &mut Chip, pin: Pin) -> bool {
+    chip.port_register(pin, IDR) >> pin.pin & 1 == 1
+}
+
 /// Whether the image has selected the alternate function of a pin; true for a pin without one.
 pub(crate) fn is_connected(chip: &mut Chip, pin: Pin) -> bool {
     let Mode::Alternate(function) = pin.mode else { return true };
-    let (_, registers) = chip.mcu.port(pin.port);
-    Gpio::function(port_pin(pin), registers) == Some(function)
+    let selected = chip.port_register(pin, AFRL + u64::from(pin.pin / 8 * 4)) >> (4 * (pin.pin % 8)) & 0b1111;
+    two_bits(chip, pin, MODER) == 0b10 && selected == u64::from(function)
 }
 
 /// Whether the registers of the port have the mode and the resistor of a pin.
 pub(crate) fn is_configured(chip: &mut Chip, pin: Pin) -> bool {
-    let (_, registers) = chip.mcu.port(pin.port);
-    let bits = |register| registers.get(register) >> (2 * pin.pin) & 0b11;
     let mode = match pin.mode {
         Mode::Input => 0b00,
         Mode::Output => 0b01,
@@ -73,10 +64,10 @@ pub(crate) fn is_configured(chip: &mut Chip, pin: Pin) -> bool {
         Pull::Up => 0b01,
         Pull::Down => 0b10,
     };
-    let have = [bits(gpioa::Register::Moder), bits(gpioa::Register::Pupdr)];
-    have == [mode, pull] && is_connected(chip, pin)
+    [MODER, PUPDR].map(|register| two_bits(chip, pin, register)) == [mode, pull] && is_connected(chip, pin)
 }
 
-pub(crate) fn port_pin(pin: Pin) -> PortPin {
-    PortPin::new(pin.pin).expect("a port has 16 pins")
+/// The bits of a pin in a register that has two for each.
+fn two_bits(chip: &mut Chip, pin: Pin, register: u64) -> u64 {
+    chip.port_register(pin, register) >> (2 * pin.pin) & 0b11
 }

@@ -1,11 +1,12 @@
 //! Virtual silicon: the drive's unmodified image on register-level models of its chip.
 //!
-//! The models are those of the crate `rigless`: an STM32F427, which has every block of the STM32F405 that the image uses.
-//! They are made from the reference manual RM0090, not from hardware; `docs/hardware/evidence.md` has what only a board can show.
+//! The models are those of the crate `rigless`, one part for each family of chips. They are made from reference manuals, not from
+//! hardware; `docs/hardware/evidence.md` has what only a board can show.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`chip`] | [`Chip`](chip::Chip): the part with crystal and supply, as the emulator runs it |
+//! | `stm32f4`, `stm32h7` | the part of a family, and what its models lack |
 //! | [`machine`] | [`run`](machine::run): an image from reset until its surroundings end it |
 //! | [`surroundings`] | [`Surroundings`](surroundings::Surroundings): what is connected to the chip |
 //! | [`access`] | [`Violations`](access::Violations): accesses of the image that the chip would not have served |
@@ -18,6 +19,7 @@
 //! | [`quadrature`] | [`Quadrature`](quadrature::Quadrature): the two channels of an incremental encoder |
 //! | [`drive_train`] | [`DriveTrain`](drive_train::DriveTrain): a plant between bridge and encoders |
 //! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
+//! | [`boards`] | [`open`](boards::open): a pin map from its file |
 //! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
 //! | [`symbols`] | [`Symbols`](symbols::Symbols): addresses of an image, and mutants of it |
 //! | [`thumb`] | [`Code`](thumb::Code): instructions for a mutant |
@@ -25,6 +27,7 @@
 #![warn(missing_docs)]
 
 pub mod access;
+pub mod boards;
 pub mod chip;
 pub mod drive_train;
 pub mod drive_train_file;
@@ -38,6 +41,8 @@ pub mod pacer;
 pub mod pins;
 pub mod quadrature;
 pub mod serial_line;
+mod stm32f4;
+mod stm32h7;
 pub mod surroundings;
 pub mod symbols;
 pub mod thumb;

@@ -10,7 +10,7 @@ use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
 use crate::access::Violations;
-use crate::chip::{CLOCK_CONTROL, Chip};
+use crate::chip::Chip;
 use crate::inputs::Inputs;
 use crate::lsi_capture::LsiCapture;
 use crate::pins::{Bridge, Pins};
@@ -42,7 +42,7 @@ pub struct Ended<S> {
 /// # Errors
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
-    let chip = Chip::new(surroundings.crystal_hz(), &wiring, surroundings.has_mpu())?;
+    let chip = Chip::new(&wiring, surroundings.crystal_hz(), surroundings.has_mpu())?;
     let session = Session::new(Box::new(chip), 0, FIRST_TURN).context("the chip can't be set up")?;
     let machine = Machine {
         surroundings,
@@ -85,11 +85,12 @@ struct Machine<S> {
     bridge: Option<Bridge>,
 }
 
-impl<S: Surroundings> Machine<S> {
-    fn watch_bridge(&mut self, chip: &mut Pins<'_>) {
+/// Reports the bridge to surroundings that watch it, if it isn't the one last reported.
+fn watch_bridge(surroundings: &mut impl Surroundings, last: &mut Option<Bridge>, chip: &mut Pins<'_>) {
+    if surroundings.watches_bridge() {
         let bridge = chip.bridge();
-        if self.bridge.replace(bridge) != Some(bridge) {
-            self.surroundings.bridge_changed(chip.now(), bridge);
+        if last.replace(bridge) != Some(bridge) {
+            surroundings.bridge_changed(chip.now(), bridge);
         }
     }
 }
@@ -104,8 +105,8 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
                 if access.kind == AccessKind::Read {
                     return;
                 }
-                if access.address == CLOCK_CONTROL && !self.surroundings.crystal_starts() {
-                    session.board_mut().hold_crystal(access.virtual_time);
+                if !self.surroundings.crystal_starts() {
+                    session.board_mut().hold_crystal(access.virtual_time, access.address);
                 }
                 access.virtual_time
             }
@@ -117,10 +118,8 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
             Settled::Stop(stop) => stop.at,
             _ => return,
         };
-        if self.surroundings.watches_bridge() {
-            let (wiring, mut inputs) = (self.wiring, self.inputs);
-            self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
-        }
+        let mut chip = Pins::new(session, host, at, &self.wiring, &mut self.inputs);
+        watch_bridge(&mut self.surroundings, &mut self.bridge, &mut chip);
     }
 
     fn on_stop(
@@ -137,19 +136,15 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
             self.inputs = Inputs::default();
             self.lsi = LsiCapture::after_reset(stop.at);
         }
-        let edge = self.lsi.turn(&mut session.board_mut().mcu, stop.at);
+        let edge = self.lsi.turn(session.board_mut(), stop.at);
         let is_for_edge = std::mem::replace(&mut self.edge, edge) == Some(stop.at);
         if is_for_edge && stop.at < self.due {
             return Some(edge.map_or(self.due, |edge| edge.min(self.due)));
         }
-        let (wiring, mut inputs) = (self.wiring, self.inputs);
-        inputs.settle(session.board_mut(), &wiring, stop.at);
-        let mut chip = Pins::new(session, host, stop.at, &wiring, &mut inputs);
+        self.inputs.settle(session.board_mut(), &self.wiring, stop.at);
+        let mut chip = Pins::new(session, host, stop.at, &self.wiring, &mut self.inputs);
         let next = self.surroundings.turn(&mut chip);
-        if self.surroundings.watches_bridge() {
-            self.watch_bridge(&mut chip);
-        }
-        self.inputs = inputs;
+        watch_bridge(&mut self.surroundings, &mut self.bridge, &mut chip);
         match next {
             ControlFlow::Continue(next) => {
                 let nanoseconds = u64::try_from(next.as_nanos()).unwrap_or(u64::MAX);

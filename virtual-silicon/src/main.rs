@@ -13,7 +13,7 @@ use std::{fs, io};
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use clap::builder::PossibleValuesParser;
+use lashloop_silicon::boards;
 use lashloop_silicon::drive_train::DriveTrain;
 use lashloop_silicon::drive_train_file;
 use lashloop_silicon::host_link::{Clock, HostLink};
@@ -21,7 +21,6 @@ use lashloop_silicon::machine;
 use lashloop_silicon::pins::Pins;
 use lashloop_silicon::surroundings::{End, Surroundings};
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::wiring::Wiring;
 
 /// Run an image of the drive on register-level models of its chip
 #[derive(Parser)]
@@ -29,8 +28,9 @@ struct Arguments {
     /// The image
     image: PathBuf,
 
-    /// Board with its pins; without this option the one that the image is for, stm32f405 for an image that names none
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Wiring::BOARDS.map(|(name, _)| name)))]
+    /// Board with its pins, or a file of them, whose name ends in .toml; without this option the board that the image is for,
+    /// stm32f405 for an image that names none
+    #[arg(long, value_name = "NAME|FILE")]
     board: Option<String>,
 
     /// Abstract socket to connect the link to, instead of standard input and output
@@ -121,9 +121,7 @@ fn run(Arguments { image, board, socket, lockstep, drive_train }: &Arguments) ->
         Some(board) => Some(board.clone()),
         None => symbols.board()?,
     };
-    let board = board.as_deref().unwrap_or(Wiring::BOARDS[0].0);
-    let wiring =
-        Wiring::of_board(board).with_context(|| format!("the pins of the board {board} are unknown"))?;
+    let wiring = boards::open(board.as_deref().unwrap_or(boards::DEFAULT))?;
     let surroundings = Bench { connect: Some(connect), host: None, host_turn: BOOTED_AT, train };
     let ended = machine::run(image, wiring, surroundings)?;
     if !ended.violations.is_empty() {

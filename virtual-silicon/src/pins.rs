@@ -7,21 +7,20 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use rigless::device::Level;
-use rigless::edge::Pulse;
 use rigless::emulator::{Host, Watch};
-use rigless::mcu::Mcu;
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::generated::{dbg, rcc, tim1};
-use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
-use crate::chip::{Chip, TIM1};
+use crate::chip::{Chip, Driven};
 use crate::gate_driver::GateDriver;
-use crate::inputs::{Inputs, is_configured, is_connected, port_pin};
+use crate::inputs::{self, Inputs, is_configured, is_connected};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
+
+/// The output that carries the duty.
+const PWM: TimerOutput = TimerOutput { channel: 1, is_complementary: false };
 
 /// What the chip drives at the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,29 +101,26 @@ impl<'a> Pins<'a> {
 
     /// Drives the break input high or low, or cuts its wire with `None`. A board may have none.
     pub fn drive_break(&mut self, is_high: Option<bool>) {
-        if let Some(pin) = self.wiring.break_input {
+        if let Some(pin) = self.wiring.bridge.break_input {
             self.drive_pin(pin, is_high);
         }
     }
 
     /// Stops the crystal.
     pub fn stop_crystal(&mut self) {
-        let chip = self.session.board_mut();
-        chip.mcu.drive_clocks(self.at, |rcc, registers, context| rcc.fail_hse(registers, context));
+        self.session.board_mut().part.stop_crystal(self.at);
     }
 
     /// Whether the clock tree runs from the oscillator inside the chip, with the crystal off.
     pub fn clocks_are_internal(&mut self) -> bool {
-        let clocks = Mcu::bus(&self.session.board_mut().mcu).registers("RCC").expect("the part has it");
-        !rcc::cr::HSEON.is_set(clocks.get(rcc::Register::Cr))
-            && rcc::pllcfgr::PLLSRC.get(clocks.get(rcc::Register::Pllcfgr)) == 0
+        self.session.board_mut().clocks_are_internal()
     }
 
     /// What a core that a debugger halts does not stop: the independent watchdog, and what it stops: TIM1.
     pub fn halted_by_debugger(&mut self) -> (bool, bool) {
-        let debug = Mcu::bus(&self.session.board_mut().mcu).registers("DBG").expect("the part has it");
-        let is_set = |register, bit: u32| debug.get(register) >> bit & 1 == 1;
-        (!is_set(dbg::Register::DbgmcuApb1Fz, 12), is_set(dbg::Register::DbgmcuApb2Fz, 0))
+        let chip = self.session.board_mut();
+        let registers = chip.part.registers();
+        (!chip.is_set(&registers.watchdog_freezes), chip.is_set(&registers.bridge_freezes))
     }
 
     /// The gate driver; a board may have none.
@@ -134,95 +130,85 @@ impl<'a> Pins<'a> {
 
     /// Drives the fault line of the gate driver high or low. A board may have none.
     pub fn drive_fault_line(&mut self, is_high: bool) {
-        if let Some(pin) = self.wiring.fault_line {
-            self.drive_pin(pin, Some(is_high));
+        if let Some(driver) = &self.wiring.gate_driver {
+            self.drive_pin(driver.fault_line, Some(is_high));
         }
     }
 
     /// High times of both gates of each half-bridge as fractions of the period; `None` for a gate without a pulse.
-    pub fn half_bridges(&mut self) -> Vec<(Option<f64>, Option<f64>)> {
-        let gates = self.wiring.half_bridges.iter();
-        gates.map(|(channel, high, low)| self.half_bridge(*channel, *high, *low)).collect()
-    }
-
-    fn half_bridge(&mut self, channel: u8, high: Pin, low: Pin) -> (Option<f64>, Option<f64>) {
+    pub fn half_bridges(&mut self) -> Vec<[Option<f64>; 2]> {
         let chip = self.session.board_mut();
-        let are_connected = (is_connected(chip, high), is_connected(chip, low));
-        let (timer, registers) = chip.mcu.advanced_timer(TIM1);
-        let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
-        let pulses = (timer.pulse(channel, registers), timer.complementary_pulse(channel, registers));
-        let duty = |pulse: Pulse| pulse.width.0 as f64 / pulse.period.0 as f64;
-        (pulses.0.filter(|_| are_connected.0).map(duty), pulses.1.filter(|_| are_connected.1).map(duty))
+        let both = |gates: [(Pin, TimerOutput); 2]| {
+            gates.map(|(pin, output)| connected(chip, pin, output).and_then(|driven| driven.duty()))
+        };
+        self.wiring.half_bridges().map(both).collect()
     }
 
     /// Period of the modulation; `None` if its output carries no pulse.
     pub fn modulation_period(&mut self) -> Option<Duration> {
-        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
-        let pulse = timer.pulse(TimerChannel::new(1).expect("channel 1"), registers)?;
+        let pulse = self.session.board_mut().part.output(PWM).pulse?;
         Some(Duration::from_nanos(pulse.period.0))
     }
 
     /// Level of a pin.
     pub fn is_high(&mut self, pin: Pin) -> bool {
-        let (gpio, registers) = self.session.board_mut().mcu.port(pin.port);
-        gpio.level(port_pin(pin), registers) == Level::High
+        inputs::is_high(self.session.board_mut(), pin)
     }
 
     /// Duty of a bridge that drives its motor, as [`Bridge::driving`], without the rest.
     pub fn driving(&mut self) -> Option<f64> {
-        let chip = self.session.board_mut();
-        let (gpio, registers) = chip.mcu.port(self.wiring.enable.port);
-        let is_driven = gpio.level(port_pin(self.wiring.enable), registers) == Level::High
-            && is_connected(chip, self.wiring.pwm);
-        let (timer, registers) = chip.mcu.advanced_timer(TIM1);
-        let pulse = timer.pulse(TimerChannel::new(1).expect("channel 1"), registers).filter(|_| is_driven)?;
-        Some(pulse.width.0 as f64 / pulse.period.0 as f64)
+        let is_enabled = self.is_high(self.wiring.bridge.enable);
+        let [pin, _] = self.wiring.bridge.outputs;
+        connected(self.session.board_mut(), pin, PWM).filter(|_| is_enabled)?.duty()
     }
 
     /// What the chip drives at the bridge.
     pub fn bridge(&mut self) -> Bridge {
+        let is_enabled = self.is_high(self.wiring.bridge.enable);
         let chip = self.session.board_mut();
-        let (wiring, is_connected) = (self.wiring, is_connected(chip, self.wiring.pwm));
+        let mut duty = None;
         let mut channels = [None; 2];
-        for (have, (channel, pin, _)) in channels.iter_mut().zip(wiring.half_bridges) {
-            *have = high_time(chip, *pin, *channel);
+        let mut has_active_gate = false;
+        for (channel, gates) in channels.iter_mut().zip(self.wiring.half_bridges()) {
+            for (pin, output) in gates {
+                let driven = connected(chip, pin, output);
+                has_active_gate |= match &driven {
+                    Some(driven) => driven.pulse.is_some() || driven.level == Some(Level::High),
+                    // A gate that isn't connected to its timer has the level of its port.
+                    None => inputs::is_high(chip, pin),
+                };
+                if output == PWM {
+                    duty = driven.as_ref().and_then(Driven::duty);
+                }
+                if !output.is_complementary {
+                    *channel = driven.and_then(|driven| high_time(&driven));
+                }
+            }
         }
-        let has_active_gate = wiring.gates().any(|(pin, output)| is_active(chip, pin, output));
-        let mcu = &mut chip.mcu;
-        let (gpio, registers) = mcu.port(self.wiring.enable.port);
-        let is_enabled = gpio.level(port_pin(self.wiring.enable), registers) == Level::High;
-        let (timer, registers) = mcu.advanced_timer(TIM1);
-        let channel = TimerChannel::new(1).expect("channel 1");
-        let pulse = timer.pulse(channel, registers).filter(|_| is_connected);
-        Bridge {
-            duty: pulse.map(|pulse| pulse.width.0 as f64 / pulse.period.0 as f64),
-            channels,
-            is_enabled,
-            has_main_output: tim1::bdtr::MOE.is_set(registers.get(tim1::Register::Bdtr)),
-            has_active_gate,
-        }
+        has_active_gate |= self.wiring.bridge.unused_gates.iter().any(|pin| inputs::is_high(chip, *pin));
+        Bridge { duty, channels, is_enabled, has_main_output: chip.has_main_output(), has_active_gate }
     }
 
     /// Levels of PWM output and enable output; `None` for a PWM output that the timer doesn't drive.
     pub fn output_levels(&mut self) -> (Option<bool>, bool) {
-        let is_enabled = self.bridge().is_enabled;
-        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
-        let level = timer.output(TimerChannel::new(1).expect("channel 1"), registers);
+        let is_enabled = self.is_high(self.wiring.bridge.enable);
+        let level = self.session.board_mut().part.output(PWM).level;
         (level.map(|level| level == Level::High), is_enabled)
     }
 
     /// Pins of timers whose alternate function the image has not selected, one phrase each.
     pub fn unconnected(&mut self) -> Vec<String> {
         let chip = self.session.board_mut();
-        let pins = self.wiring.pins().into_iter().filter(|pin| !self.wiring.link.contains(pin));
-        pins.filter(|pin| !is_connected(chip, *pin)).map(|pin| pin.to_string()).collect()
+        let uses = self.wiring.uses().into_iter().filter(|(key, ..)| !key.starts_with("link."));
+        let pins = uses.map(|(_, pin, _)| pin).filter(|pin| !is_connected(chip, *pin));
+        pins.map(|pin| pin.to_string()).collect()
     }
 
     /// Pins that the image has configured otherwise than they are wired, with what each has to be.
     pub fn misconfigured(&mut self) -> Vec<String> {
         let chip = self.session.board_mut();
-        let pins = self.wiring.pins().into_iter().filter(|pin| !is_configured(chip, *pin));
-        pins.map(|pin| pin.to_string()).collect()
+        let pins = self.wiring.uses().into_iter().map(|(_, pin, _)| pin);
+        pins.filter(|pin| !is_configured(chip, *pin)).map(|pin| pin.to_string()).collect()
     }
 
     /// A word of the chip's memory.
@@ -271,38 +257,18 @@ impl<'a> Pins<'a> {
     fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {
         let chip = self.session.board_mut();
         let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
-        chip.mcu.drive_port(self.at, pin.port, |gpio, registers, context| {
-            gpio.drive(port_pin(pin), level, registers, context);
-        });
+        chip.part.drive_pin(self.at, pin, level);
         self.inputs.settle(chip, self.wiring, self.at);
     }
 }
 
-/// High time of the output of a channel; `None` if its timer doesn't drive it.
-fn high_time(chip: &mut Chip, pin: Pin, channel: u8) -> Option<f64> {
-    if !is_connected(chip, pin) {
-        return None;
-    }
-    let (timer, registers) = chip.mcu.advanced_timer(TIM1);
-    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
-    let level = timer.output(channel, registers)?;
-    let pulse = timer.pulse(channel, registers);
-    let level = if level == Level::High { 1.0 } else { 0.0 };
-    Some(pulse.map_or(level, |pulse| pulse.width.0 as f64 / pulse.period.0 as f64))
+/// What TIM1 drives at a pin; `None` if the image has not connected them.
+fn connected(chip: &mut Chip, pin: Pin, output: TimerOutput) -> Option<Driven> {
+    is_connected(chip, pin).then(|| chip.part.output(output))
 }
 
-/// Whether a gate carries a pulse or is high. A gate that is not connected to its timer has the level of its port.
-fn is_active(chip: &mut Chip, pin: Pin, output: Option<TimerOutput>) -> bool {
-    let Some(TimerOutput { channel, is_complementary }) = output.filter(|_| is_connected(chip, pin)) else {
-        let (gpio, registers) = chip.mcu.port(pin.port);
-        return gpio.level(port_pin(pin), registers) == Level::High;
-    };
-    let (timer, registers) = chip.mcu.advanced_timer(TIM1);
-    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
-    let (pulse, level) = if is_complementary {
-        (timer.complementary_pulse(channel, registers), timer.complementary_output(channel, registers))
-    } else {
-        (timer.pulse(channel, registers), timer.output(channel, registers))
-    };
-    pulse.is_some() || level == Some(Level::High)
+/// High time of an output, 0 or 1 for a level; `None` if its timer doesn't drive it.
+fn high_time(driven: &Driven) -> Option<f64> {
+    let level = if driven.level? == Level::High { 1.0 } else { 0.0 };
+    Some(driven.duty().unwrap_or(level))
 }

@@ -14,6 +14,9 @@ pub struct SerialLine {
     to_chip: VecDeque<u8>,
     from_chip: Vec<u8>,
     last_byte_at: Duration,
+    /// When the chip's last byte ended, and the shortest time between the ends of two.
+    from_chip_at: Option<Duration>,
+    shortest_byte: Option<Duration>,
 }
 
 impl SerialLine {
@@ -45,6 +48,12 @@ impl SerialLine {
         self.from_chip.clear();
     }
 
+    /// The shortest time between the ends of two bytes of the chip: that of a byte.
+    #[must_use]
+    pub fn shortest_byte(&self) -> Option<Duration> {
+        self.shortest_byte
+    }
+
     /// Device time of the last byte in either direction.
     #[must_use]
     pub fn last_byte_at(&self) -> Duration {
@@ -56,7 +65,12 @@ impl Store for SerialLine {}
 
 impl Peer for SerialLine {
     fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
-        self.last_byte_at = Duration::from_nanos(context.now().0);
+        let now = Duration::from_nanos(context.now().0);
+        self.last_byte_at = now;
+        if let Some(before) = self.from_chip_at.replace(now) {
+            let byte = now.saturating_sub(before);
+            self.shortest_byte = Some(self.shortest_byte.map_or(byte, |shortest| shortest.min(byte)));
+        }
         // The image sets 8 data bits: the upper byte of a word is 0.
         self.from_chip.push(word as u8);
     }

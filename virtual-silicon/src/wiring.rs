@@ -1,7 +1,10 @@
-//! Which pin carries what: the pin map of a board.
+//! Which pin carries what: the pin map of a board, as its file has it.
 
 use std::fmt;
 
+use serde::Deserialize;
+
+use crate::chip::Family;
 use crate::quadrature::Channel;
 
 /// What a pin is configured as.
@@ -13,6 +16,17 @@ pub enum Mode {
     Input,
     /// Output of the software.
     Output,
+}
+
+impl Mode {
+    /// The kind of pin, as messages name it.
+    pub(crate) fn kind(self) -> &'static str {
+        match self {
+            Self::Alternate(_) => "an alternate function",
+            Self::Input => "an input",
+            Self::Output => "an output",
+        }
+    }
 }
 
 /// Resistor inside the chip.
@@ -27,7 +41,8 @@ pub enum Pull {
 }
 
 /// A pin with its configuration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
 pub struct Pin {
     /// Port, from 0 for port A.
     pub port: usize,
@@ -39,40 +54,53 @@ pub struct Pin {
     pub pull: Pull,
 }
 
+/// A text that isn't a pin.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{0:?} isn't a pin: write PA0 to PK15, then input, output or AF0 to AF15, then pull-up, pull-down or nothing"
+)]
+pub struct WrongPin(String);
+
+impl TryFrom<String> for Pin {
+    type Error = WrongPin;
+
+    fn try_from(text: String) -> Result<Self, WrongPin> {
+        read_pin(&text).ok_or(WrongPin(text))
+    }
+}
+
+fn read_pin(text: &str) -> Option<Pin> {
+    let number = |text: &str| (0..16).find(|number| number.to_string() == text);
+    let words: Vec<_> = text.split(' ').collect();
+    let [name, mode, pull @ ..] = &words[..] else { return None };
+    let (port, pin) = name.strip_prefix('P')?.split_at_checked(1)?;
+    let mode = match *mode {
+        "input" => Mode::Input,
+        "output" => Mode::Output,
+        function => Mode::Alternate(number(function.strip_prefix("AF")?)?),
+    };
+    let pull = match pull {
+        [] => Pull::Open,
+        ["pull-up"] => Pull::Up,
+        ["pull-down"] => Pull::Down,
+        _ => return None,
+    };
+    Some(Pin { port: "ABCDEFGHIJK".find(port)?, pin: number(pin)?, mode, pull })
+}
+
 impl Pin {
-    const fn of(port: usize, pin: u8, mode: Mode, pull: Pull) -> Self {
-        Self { port, pin, mode, pull }
-    }
-
-    const fn alternate(port: usize, pin: u8, function: u8) -> Self {
-        Self::of(port, pin, Mode::Alternate(function), Pull::Open)
-    }
-
-    const fn pulled_down(port: usize, pin: u8, function: u8) -> Self {
-        Self::of(port, pin, Mode::Alternate(function), Pull::Down)
-    }
-
-    const fn pulled_up(port: usize, pin: u8, function: u8) -> Self {
-        Self::of(port, pin, Mode::Alternate(function), Pull::Up)
-    }
-
-    const fn output(port: usize, pin: u8) -> Self {
-        Self::of(port, pin, Mode::Output, Pull::Open)
-    }
-
-    const fn unused_gate(port: usize, pin: u8) -> Self {
-        Self::of(port, pin, Mode::Input, Pull::Down)
+    /// The pin without its configuration, as data sheets name it.
+    pub(crate) fn name(&self) -> String {
+        format!("P{}{}", char::from(b'A' + self.port as u8), self.pin)
     }
 }
 
 impl fmt::Display for Pin {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let port = char::from(b'A' + self.port as u8);
-        write!(out, "P{port}{} as ", self.pin)?;
+        write!(out, "{} as ", self.name())?;
         match self.mode {
             Mode::Alternate(function) => write!(out, "alternate function {function}")?,
-            Mode::Input => out.write_str("an input")?,
-            Mode::Output => out.write_str("an output")?,
+            mode => out.write_str(mode.kind())?,
         }
         out.write_str(match self.pull {
             Pull::Open => "",
@@ -80,6 +108,45 @@ impl fmt::Display for Pin {
             Pull::Down => " with a pull-down",
         })
     }
+}
+
+/// A timer that counts encoders, in the order of the models of both families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+#[expect(missing_docs, reason = "names of the data sheet")]
+pub enum Timer {
+    Tim2,
+    Tim3,
+    Tim4,
+    Tim5,
+}
+
+/// A serial port, in the order of the models of both families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+#[expect(missing_docs, reason = "names of the data sheet")]
+pub enum SerialPort {
+    Usart1,
+    Usart2,
+    Usart3,
+    Uart4,
+    Uart5,
+    Usart6,
+    Uart7,
+    Uart8,
+}
+
+/// A serial interface, in the order of the models of both families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+#[expect(missing_docs, reason = "names of the data sheet")]
+pub enum SerialInterface {
+    Spi1,
+    Spi2,
+    Spi3,
+    Spi4,
+    Spi5,
+    Spi6,
 }
 
 /// One of the two encoders.
@@ -96,8 +163,8 @@ pub enum Encoder {
 pub enum TimerInput {
     /// A channel of a general-purpose timer.
     Channel {
-        /// The timer, from 0 for TIM2.
-        timer: usize,
+        /// The timer.
+        timer: Timer,
         /// The channel, from 1.
         channel: u8,
     },
@@ -114,18 +181,31 @@ pub(crate) struct TimerOutput {
     pub(crate) is_complementary: bool,
 }
 
+/// The serial port of the link, with its pins.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkPins {
+    /// The port.
+    pub port: SerialPort,
+    /// Output of the chip.
+    pub output: Pin,
+    /// Input of the chip.
+    pub input: Pin,
+}
+
 /// The inputs of an encoder: channels 1 and 2 of a timer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EncoderInputs {
-    /// The timer, from 0 for TIM2.
-    pub timer: usize,
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EncoderPins {
+    /// The timer.
+    pub timer: Timer,
     /// Channel A, at the timer's channel 1.
     pub a: Pin,
     /// Channel B, at the timer's channel 2.
     pub b: Pin,
 }
 
-impl EncoderInputs {
+impl EncoderPins {
     /// The pin of a channel.
     #[must_use]
     pub fn pin(&self, channel: Channel) -> Pin {
@@ -136,127 +216,63 @@ impl EncoderInputs {
     }
 }
 
-/// The pin map of a board.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wiring {
-    /// The encoder at the motor.
-    pub motor: EncoderInputs,
-    /// The encoder at the load.
-    pub load: EncoderInputs,
-    /// The serial port of the link among those of the part, from 0 for USART1.
-    pub link_port: usize,
-    /// Output and input of the link.
-    pub link: [Pin; 2],
-    /// PWM output, channel 1 of TIM1.
-    pub pwm: Pin,
+/// The lines of the power stage.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BridgePins {
+    /// Outputs of channels 1 and 2 of TIM1: PWM outputs or high sides.
+    pub outputs: [Pin; 2],
+    /// Their complements: low sides.
+    pub complements: [Pin; 2],
     /// Break input of TIM1, if it is connected.
     pub break_input: Option<Pin>,
-    /// Fault output of a gate driver, active low, at a plain input.
-    pub fault_line: Option<Pin>,
-    /// Enable output of the bridge, active high.
+    /// Enable output, active high.
     pub enable: Pin,
-    /// Outputs of channels with their complements: the channel of TIM1, its output or high side, its complement or low side.
-    pub half_bridges: &'static [(u8, Pin, Pin)],
-    /// Outputs that stay high.
-    pub high: &'static [Pin],
     /// Gates that stay off.
-    pub unused_gates: &'static [Pin],
-    /// Pins of a serial interface.
-    pub spi: &'static [Pin],
-    /// Whether a gate driver is at SPI3, selected by PC13.
-    pub has_gate_driver: bool,
+    #[serde(default)]
+    pub unused_gates: Vec<Pin>,
 }
 
-const A: usize = 0;
-const B: usize = 1;
-const C: usize = 2;
-const D: usize = 3;
-const E: usize = 4;
-const USART2: usize = 1;
-const USART3: usize = 2;
-/// PA2 and PA3, of USART2.
-const LINK: [Pin; 2] = [Pin::alternate(A, 2, 7), Pin::pulled_up(A, 3, 7)];
+/// A gate driver at a serial interface.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GateDriverPins {
+    /// The interface.
+    pub port: SerialInterface,
+    /// Select output, active low.
+    pub select: Pin,
+    /// Clock output.
+    pub clock: Pin,
+    /// Data input of the chip.
+    pub input: Pin,
+    /// Data output of the chip.
+    pub output: Pin,
+    /// Fault output of the gate driver, active low, at a plain input.
+    pub fault_line: Pin,
+}
+
+/// The pin map of a board.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wiring {
+    /// Family of the chip.
+    pub chip: Family,
+    /// Outputs that stay high.
+    #[serde(default)]
+    pub high: Vec<Pin>,
+    /// The link.
+    pub link: LinkPins,
+    /// The encoder at the motor.
+    pub motor: EncoderPins,
+    /// The encoder at the load.
+    pub load: EncoderPins,
+    /// The power stage.
+    pub bridge: BridgePins,
+    /// The gate driver; a board may have none.
+    pub gate_driver: Option<GateDriverPins>,
+}
 
 impl Wiring {
-    /// The boards, by the names that their drives report.
-    pub const BOARDS: [(&'static str, Self); 4] = [
-        ("stm32f405", Self::F405_BARE),
-        ("odrive-v3", Self::ODRIVE_V3),
-        ("nucleo-f429zi", Self::NUCLEO_F429ZI),
-        // Its headers have the pins of the bare board.
-        ("nucleo-f446re", Self::F405_BARE),
-    ];
-
-    /// The bare STM32F405 board of `docs/hardware/bare-stm32f405.md`. Alternate functions are those of the data sheet, table 9.
-    pub const F405_BARE: Self = Self {
-        motor: EncoderInputs { timer: 1, a: Pin::pulled_up(C, 6, 2), b: Pin::pulled_up(C, 7, 2) },
-        load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
-        link_port: USART2,
-        link: LINK,
-        pwm: Pin::pulled_down(A, 8, 1),
-        break_input: Some(Pin::pulled_up(B, 12, 1)),
-        fault_line: None,
-        enable: Pin::output(B, 0),
-        half_bridges: &[
-            (1, Pin::pulled_down(A, 8, 1), Pin::pulled_down(B, 13, 1)),
-            (2, Pin::pulled_down(A, 9, 1), Pin::pulled_down(B, 14, 1)),
-        ],
-        high: &[],
-        unused_gates: &[],
-        spi: &[],
-        has_gate_driver: false,
-    };
-    /// A NUCLEO-F429ZI: pins of its Zio connectors, and the serial port of its ST-Link (ST UM1974).
-    pub const NUCLEO_F429ZI: Self = Self {
-        load: EncoderInputs { timer: 2, a: Pin::pulled_up(D, 12, 2), b: Pin::pulled_up(D, 13, 2) },
-        link_port: USART3,
-        link: [Pin::alternate(D, 8, 7), Pin::pulled_up(D, 9, 7)],
-        pwm: Pin::pulled_down(E, 9, 1),
-        break_input: Some(Pin::pulled_up(E, 15, 1)),
-        enable: Pin::output(E, 7),
-        half_bridges: &[
-            (1, Pin::pulled_down(E, 9, 1), Pin::pulled_down(E, 8, 1)),
-            (2, Pin::pulled_down(E, 11, 1), Pin::pulled_down(E, 10, 1)),
-        ],
-        ..Self::F405_BARE
-    };
-    /// An ODrive v3.5 or v3.6, phases A and B of M0, after the pin names of the board's own firmware.
-    pub const ODRIVE_V3: Self = Self {
-        motor: EncoderInputs { timer: 1, a: Pin::pulled_up(B, 4, 2), b: Pin::pulled_up(B, 5, 2) },
-        load: EncoderInputs { timer: 2, a: Pin::pulled_up(B, 6, 2), b: Pin::pulled_up(B, 7, 2) },
-        link_port: USART2,
-        link: LINK,
-        pwm: Pin::alternate(A, 8, 1),
-        break_input: None,
-        fault_line: Some(Pin::of(D, 2, Mode::Input, Pull::Up)),
-        enable: Pin::output(B, 12),
-        half_bridges: &[
-            (1, Pin::alternate(A, 8, 1), Pin::alternate(B, 13, 1)),
-            (2, Pin::alternate(A, 9, 1), Pin::alternate(B, 14, 1)),
-        ],
-        high: &[Pin::output(C, 13), Pin::output(C, 14)],
-        unused_gates: &[
-            Pin::unused_gate(A, 10),
-            Pin::unused_gate(B, 15),
-            Pin::unused_gate(A, 7),
-            Pin::unused_gate(B, 0),
-            Pin::unused_gate(B, 1),
-            Pin::unused_gate(C, 6),
-            Pin::unused_gate(C, 7),
-            Pin::unused_gate(C, 8),
-            Pin::unused_gate(B, 10),
-            Pin::unused_gate(B, 11),
-        ],
-        spi: &[Pin::alternate(C, 10, 6), Pin::pulled_up(C, 11, 6), Pin::alternate(C, 12, 6)],
-        has_gate_driver: true,
-    };
-
-    /// The board of this name.
-    #[must_use]
-    pub fn of_board(name: &str) -> Option<Self> {
-        Self::BOARDS.iter().find(|(board, _)| *board == name).map(|(_, wiring)| *wiring)
-    }
-
     /// Most inputs.
     pub(crate) const INPUTS: usize = 5;
 
@@ -269,39 +285,74 @@ impl Wiring {
             (self.load.a, channel(self.load.timer, 1)),
             (self.load.b, channel(self.load.timer, 2)),
         ];
-        encoders.into_iter().chain(self.break_input.map(|pin| (pin, TimerInput::Break)))
+        encoders.into_iter().chain(self.bridge.break_input.map(|pin| (pin, TimerInput::Break)))
     }
 
-    /// All outputs that let a switch conduct, each with its output of TIM1; gates that stay off have none.
-    pub(crate) fn gates(&self) -> impl Iterator<Item = (Pin, Option<TimerOutput>)> + use<> {
-        let output = |channel, is_complementary| Some(TimerOutput { channel, is_complementary });
-        let half_bridges = self.half_bridges.iter();
-        let both = half_bridges.flat_map(move |(channel, high, low)| {
-            [(*high, output(*channel, false)), (*low, output(*channel, true))]
-        });
-        [(self.pwm, output(1, false))]
-            .into_iter()
-            .chain(both)
-            .chain(self.unused_gates.iter().map(|pin| (*pin, None)))
+    /// Both half-bridges: the output of TIM1 with its complement.
+    pub(crate) fn half_bridges(&self) -> impl Iterator<Item = [(Pin, TimerOutput); 2]> + use<> {
+        let BridgePins { outputs: [first, second], complements: [low, other_low], .. } = self.bridge;
+        [(1, first, low), (2, second, other_low)].into_iter().map(|(channel, high, low)| {
+            let output = |is_complementary| TimerOutput { channel, is_complementary };
+            [(high, output(false)), (low, output(true))]
+        })
     }
 
     /// The inputs of an encoder.
     #[must_use]
-    pub fn encoder(&self, encoder: Encoder) -> &EncoderInputs {
+    pub fn encoder(&self, encoder: Encoder) -> &EncoderPins {
         match encoder {
             Encoder::Motor => &self.motor,
             Encoder::Load => &self.load,
         }
     }
 
-    /// All pins with a use.
-    #[must_use]
-    pub fn pins(&self) -> Vec<Pin> {
-        let gates = self.half_bridges.iter().flat_map(|(_, high, low)| [*high, *low]);
-        let inputs = self.inputs().map(|(pin, _)| pin).chain(self.fault_line);
-        let outputs = [self.pwm, self.enable].into_iter().chain(self.high.iter().copied());
-        let unused = self.unused_gates.iter().copied();
-        let spi = self.spi.iter().copied();
-        self.link.into_iter().chain(inputs).chain(outputs).chain(gates).chain(unused).chain(spi).collect()
+    /// All pins with a use: the key of the file, the pin, and the kind of pin that the use needs.
+    pub(crate) fn uses(&self) -> Vec<(&'static str, Pin, &'static str)> {
+        const ALTERNATE: Mode = Mode::Alternate(0);
+        let bridge = &self.bridge;
+        let mut uses = vec![
+            ("link.output", self.link.output, ALTERNATE),
+            ("link.input", self.link.input, ALTERNATE),
+            ("motor.a", self.motor.a, ALTERNATE),
+            ("motor.b", self.motor.b, ALTERNATE),
+            ("load.a", self.load.a, ALTERNATE),
+            ("load.b", self.load.b, ALTERNATE),
+            ("bridge.enable", bridge.enable, Mode::Output),
+        ];
+        uses.extend(bridge.outputs.map(|pin| ("bridge.outputs", pin, ALTERNATE)));
+        uses.extend(bridge.complements.map(|pin| ("bridge.complements", pin, ALTERNATE)));
+        uses.extend(bridge.break_input.map(|pin| ("bridge.break_input", pin, ALTERNATE)));
+        uses.extend(bridge.unused_gates.iter().map(|pin| ("bridge.unused_gates", *pin, Mode::Input)));
+        uses.extend(self.high.iter().map(|pin| ("high", *pin, Mode::Output)));
+        if let Some(driver) = &self.gate_driver {
+            uses.extend([
+                ("gate_driver.select", driver.select, Mode::Output),
+                ("gate_driver.clock", driver.clock, ALTERNATE),
+                ("gate_driver.input", driver.input, ALTERNATE),
+                ("gate_driver.output", driver.output, ALTERNATE),
+                ("gate_driver.fault_line", driver.fault_line, Mode::Input),
+            ]);
+        }
+        uses.into_iter().map(|(key, pin, mode)| (key, pin, mode.kind())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pin_is_a_name_a_mode_and_a_resistor() {
+        let read = |text: &str| Pin::try_from(text.to_owned());
+        let pin = Pin { port: 2, pin: 6, mode: Mode::Alternate(2), pull: Pull::Up };
+        assert_eq!(read("PC6 AF2 pull-up"), Ok(pin));
+        assert_eq!(read("PK15 output").map(|pin| pin.to_string()), Ok("PK15 as an output".into()));
+        for wrong in ["", "PC6", "C6 AF2", "PL0 input", "PC16 input", "PC06 input", "PC+6 input", "Pé1 input"]
+        {
+            assert_eq!(read(wrong), Err(WrongPin(wrong.to_owned())));
+        }
+        for wrong in ["PC6 AF16", "PC6 analog", "PC6 AF2 up", "PC6 AF2 pull-up pull-up", "PC6  AF2", "P"] {
+            assert_eq!(read(wrong), Err(WrongPin(wrong.to_owned())));
+        }
     }
 }

@@ -10,26 +10,19 @@
 //!
 //! What ST's ROM leaves behind has to be seen on a board.
 
-use std::num::{NonZeroU32, NonZeroU64};
 use std::path::Path;
 
 use lashloop_protocol::message::Hello;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, Numbered};
+use lashloop_silicon::boards;
+use lashloop_silicon::chip::{CRYSTAL_HZ, Chip, Family};
 use lashloop_silicon::lsi_capture::LsiCapture;
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, NOTHING, RETURN};
-use rigless::chip::Timeline;
-use rigless::chip::uart::Peer;
-use rigless::cpu;
 use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
-use rigless::machine::{Board, Target, armv7m};
-use rigless::mcu::{Mcu, Operate};
 use rigless::session::Session;
-use rigless::snapshot::Store;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::generated::rcc;
 use rigless::time::VirtualNanos;
 
 const MS: u64 = 1_000_000;
@@ -38,25 +31,58 @@ const HELLO_AT: u64 = 180 * MS;
 const END: u64 = HELLO_AT + 10 * MS;
 /// 10 bits of 42 MHz by 46.
 const BYTE_NS: f64 = 10_952.4;
-const ROM: u32 = 0x1fff_0000;
 const RAM: u32 = 0x2000_0000;
-const RCC_CR: u32 = 0x4002_3800;
 const SYSTICK: u32 = 0xe000_e010;
 const NVIC_ENABLE: u32 = 0xe000_e100;
 const NVIC_PEND: u32 = 0xe000_e200;
 const VECTOR_TABLE: u32 = 0xe000_ed08;
-/// A word above the 128 KiB that the image uses, and its value once the stand-in has jumped.
-const NOTE: u32 = 0x2002_8000;
 const JUMPED: u32 = 0x600d_f00d;
 /// The request of firmware/src/board/loader.rs.
 const REQUEST: u64 = 0x5245_4f4c;
-/// The images, and the serial port of each one's link, from 0 for USART1.
-const IMAGES: [(&str, usize); 4] = [
-    ("lashloop-firmware", 1),
-    ("lashloop-firmware-odrive-v3", 1),
-    ("lashloop-firmware-nucleo-f446re", 1),
-    ("lashloop-firmware-nucleo-f429zi", 2),
-];
+
+/// What a family has for a loader.
+struct Rom {
+    /// The vector table of the loader.
+    at: u32,
+    /// A word of memory that the image doesn't use, which the stand-in sets before it jumps.
+    note: u32,
+    /// RCC_CR, whose bits for HSE and PLL are those of every family.
+    clock_control: u32,
+    /// Offsets and values that make 24 MHz of the oscillator inside the chip, and of the crystal.
+    pll: [&'static [(u16, u32)]; 2],
+    /// Offset of RCC_CFGR, and its SW for the PLL.
+    selection: (u16, u32),
+}
+
+const STM32F4: Rom = Rom {
+    at: 0x1fff_0000,
+    // Above 128 KiB.
+    note: 0x2002_8000,
+    clock_control: 0x4002_3800,
+    // 1 MHz by 192; by 8 for the core, by 4 for USB.
+    pll: [
+        &[(0x04, 4 << 24 | 3 << 16 | 192 << 6 | 16)],
+        &[(0x04, 4 << 24 | 1 << 22 | 3 << 16 | 192 << 6 | 8)],
+    ],
+    selection: (0x08, 2),
+};
+const STM32H7: Rom = Rom {
+    at: 0x1ff0_9800,
+    // In another memory.
+    note: 0x2400_0000,
+    clock_control: 0x5802_4400,
+    // 2 MHz by 96; by 8 at every output.
+    pll: [&[(0x28, 32 << 4), BY_96[0], BY_96[1]], &[(0x28, 4 << 4 | 2), BY_96[0], BY_96[1]]],
+    selection: (0x10, 3),
+};
+const BY_96: [(u16, u32); 2] = [(0x2c, 0x01ff_0004), (0x30, 7 << 24 | 7 << 16 | 7 << 9 | 95)];
+
+fn rom_of(family: Family) -> &'static Rom {
+    match family {
+        Family::Stm32f4 => &STM32F4,
+        Family::Stm32h7 => &STM32H7,
+    }
+}
 
 /// How the chip came to the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,30 +145,36 @@ fn cases() -> Vec<Case> {
 }
 
 /// The stand-in for the ROM.
-fn rom(case: Case) -> Vec<u8> {
+fn stand_in(rom: &Rom, case: Case) -> Vec<u8> {
     const TABLE_WORDS: u32 = 128;
     let handler = Code::default().halfwords(&[case.handler, NOTHING]).words();
     // ldr r0, [r1]; cmp r0, r2; bne over the next one; b .; str r2, [r1]
-    let mut start =
-        Code::default().load(1, NOTE).load(2, JUMPED).halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
+    let mut start = Code::default()
+        .load(1, rom.note)
+        .load(2, JUMPED)
+        .halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
     // Its own variables, at the start of RAM: str r1, [r1]; adds r1, #4; cmp r1, r2; bne
     start = start.load(1, RAM).load(2, RAM + 12 * 1_024).halfwords(&[0x6009, 0x3104, 0x4291, 0xd1fb]);
     if case.clock != Clock::Off {
-        start = start.load(1, RCC_CR);
-        let mut source = 0;
-        let mut divider = 16;
+        start = start.load(1, rom.clock_control);
+        let [internal, external] = rom.pll;
+        let mut pll = internal;
         if case.clock == Clock::PllOfHse {
             // HSEON, and wait for HSERDY: ldr r0, [r1]; orrs r0, r2; str r0, [r1]; ldr r0, [r1]; lsls r0, r0, #14; bpl
             start = start.load(2, 1 << 16).halfwords(&[0x6808, 0x4310, 0x6008, 0x6808, 0x0380, 0xd5fc]);
-            (source, divider) = (1 << 22, 8);
+            pll = external;
         }
-        // 1 MHz by 192; by 8 for the core, by 4 for USB. str r0, [r1, #4]; then PLLON and PLLRDY, SW and SWS likewise.
-        start = start.load(0, 4 << 24 | source | 3 << 16 | 192 << 6 | divider).halfword(0x6048);
+        // str r0, [r1, #offset]; then PLLON and PLLRDY, SW and SWS as HSEON.
+        for (offset, value) in pll {
+            start = start.load(0, *value).halfword(0x6008 | offset << 4);
+        }
         start = start.load(2, 1 << 24).halfwords(&[0x6808, 0x4310, 0x6008, 0x6808, 0x0180, 0xd5fc]);
-        start = start.load(2, 2).halfwords(&[0x6888, 0x4310, 0x6088, 0x6888, 0x0700, 0xd5fc]);
+        let (offset, pll) = rom.selection;
+        let [load, store] = [0x6808, 0x6008].map(|opcode| opcode | offset << 4);
+        start = start.load(2, pll).halfwords(&[load, 0x4310, store, load, 0x0700, 0xd5fc]);
     }
     if case.entry == Entry::Request {
-        start = start.load(1, VECTOR_TABLE).load(0, ROM).halfword(0x6008);
+        start = start.load(1, VECTOR_TABLE).load(0, rom.at).halfword(0x6008);
     }
     match case.interrupts {
         Interrupts::None => {}
@@ -158,7 +190,7 @@ fn rom(case: Case) -> Vec<u8> {
     }
     // ldr r1, [r0]; msr msp, r1; ldr r1, [r0, #4]; bx r1
     let start = start.load(0, 0x0800_0000).halfwords(&[0x6801, 0xf381, 0x8808, 0x6841, 0x4708]).words();
-    let handler_at = (ROM + 4 * TABLE_WORDS) | 1;
+    let handler_at = (rom.at + 4 * TABLE_WORDS) | 1;
     let start_at = handler_at + 4 * handler.len() as u32;
     let table = (0..TABLE_WORDS).map(|place| match place {
         0 => 0x2000_2000,
@@ -168,67 +200,10 @@ fn rom(case: Case) -> Vec<u8> {
     table.chain(handler).chain(start).flat_map(u32::to_le_bytes).collect()
 }
 
-/// The far end of the link.
-#[derive(Debug, Default)]
-struct Line {
-    to_chip: Vec<u8>,
-    from_chip: Vec<(u64, u8)>,
-}
-
-impl Store for Line {}
-
-impl Peer for Line {
-    fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
-        self.from_chip.push((context.now().0, word as u8));
-    }
-
-    fn transmit(&mut self, _: VirtualNanos) -> Option<u16> {
-        (!self.to_chip.is_empty()).then(|| self.to_chip.remove(0).into())
-    }
-}
-
-/// The chip of `lashloop_silicon::chip`, with a choice of what address 0 shows.
-#[derive(Debug)]
-struct Chip {
-    mcu: Stm32f427,
-    at_zero: &'static str,
-}
-
-impl Store for Chip {}
-
-impl Board for Chip {
-    fn name(&self) -> &'static str {
-        "after rom"
-    }
-
-    fn target_names(&self) -> Vec<&'static str> {
-        vec!["stm32f427"]
-    }
-
-    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
-        (target == 0).then_some(&mut self.mcu)
-    }
-
-    fn targets(&mut self) -> Vec<Target<'_>> {
-        let core = armv7m::Core {
-            variant: armv7m::Variant::M4,
-            clock_hz: NonZeroU64::new(168_000_000).unwrap(),
-            interrupt_lines: NonZeroU32::new(Operate::cpu(&self.mcu).interrupt_lines.into()).unwrap(),
-            priority_bits: 4,
-            refclk_divider: NonZeroU32::new(8).unwrap(),
-            instructions_per_second: NonZeroU64::new(168_000_000).unwrap(),
-            boot: self.at_zero,
-        };
-        let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
-        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
-        vec![Target::new("stm32f427", &mut self.mcu, core)]
-    }
-}
-
 struct Run {
     lsi: LsiCapture,
-    port: usize,
     case: Case,
+    note: u32,
     request_at: u64,
     has_requested: bool,
     has_greeted: bool,
@@ -238,12 +213,8 @@ struct Run {
 impl Driver<Chip> for Run {
     fn on_settled(&mut self, session: &mut Session<Chip>, _: &mut dyn Host, settled: Settled) {
         let Settled::Access { access, .. } = settled else { return };
-        let of_clocks = access.kind == AccessKind::Write && access.address == u64::from(RCC_CR);
-        if !self.case.has_crystal && of_clocks {
-            session.board_mut().mcu.drive_clocks(access.virtual_time, |_, registers, _| {
-                let control = registers.get(rcc::Register::Cr);
-                registers.set(rcc::Register::Cr, rcc::cr::HSEON.set(control, 0));
-            });
+        if !self.case.has_crystal && access.kind == AccessKind::Write {
+            session.board_mut().hold_crystal(access.virtual_time, access.address);
         }
     }
 
@@ -256,47 +227,48 @@ impl Driver<Chip> for Run {
         if !std::mem::replace(&mut self.has_requested, true) && self.case.entry == Entry::Request {
             host.write(self.request_at, Width::W32, REQUEST).expect("RAM");
         }
-        let edge = self.lsi.turn(&mut session.board_mut().mcu, stop.at);
+        let edge = self.lsi.turn(session.board_mut(), stop.at);
         let until = |at| Some(edge.map_or(VirtualNanos(at), |edge| edge.min(VirtualNanos(at))));
         if stop.at.0 < HELLO_AT {
             return until(HELLO_AT);
         }
         if !self.has_greeted {
             self.has_greeted = true;
-            let line: &mut Line = session.board_mut().mcu.usart[self.port].chip_mut().expect("the line");
-            line.to_chip.extend([0].iter().chain(&*HostMessage::from(Hello::new(7)).frame()));
+            let line = session.board_mut().serial_line();
+            line.send(&[0]);
+            line.send(&HostMessage::from(Hello::new(7)).frame());
         }
         if stop.at.0 < END {
             return until(END);
         }
-        let note = host.read(u64::from(NOTE), Width::W32).expect("RAM");
+        let note = host.read(u64::from(self.note), Width::W32).expect("RAM");
         self.has_jumped = note == u64::from(JUMPED);
         None
     }
 }
 
-fn image(name: &str) -> Symbols {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
-    Symbols::read(&path).expect("`cargo xtask image` builds the image")
+fn image(board: &str) -> Symbols {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
+    let path = folder.join(boards::image_of(board)).with_extension("elf");
+    Symbols::read(&path).unwrap_or_else(|error| panic!("{error}; `cargo xtask image` builds it"))
 }
 
-/// What is wrong with a start of an image.
-fn start(image: &Symbols, port: usize, case: Case) -> Result<(), String> {
-    let mut mcu = Stm32f427::new().expect("models");
-    mcu.rcc.attach_crystals(8_000_000, 0);
-    mcu.set_supply(3_300);
-    mcu.usart[port].attach(Line::default());
-    let at_zero = if case.entry == Entry::Pins { "system" } else { "flash" };
-    let session = Session::new(Box::new(Chip { mcu, at_zero }), 0, VirtualNanos(10)).expect("a chip");
+/// What is wrong with a start of an image on a board.
+fn start(image: &Symbols, board: &str, case: Case) -> Result<(), String> {
+    let wiring = boards::open(board).expect("a board");
+    let rom = rom_of(wiring.chip);
+    let mut chip = Chip::new(&wiring, CRYSTAL_HZ, true).expect("models");
+    chip.starts_in_rom = case.entry == Entry::Pins;
+    let session = Session::new(Box::new(chip), 0, VirtualNanos(10)).expect("a chip");
     let images = [
         image.image().expect("an image"),
-        Image::new(Path::new("rom"), rom(case), Some(ROM.into())).expect("a ROM"),
+        Image::new(Path::new("rom"), stand_in(rom, case), Some(rom.at.into())).expect("a ROM"),
     ];
     let request_at = image.variable("WORD").expect("the word of the loader");
     let run = Run {
         lsi: LsiCapture::after_reset(VirtualNanos(0)),
-        port,
         case,
+        note: rom.note,
         request_at,
         has_requested: false,
         has_greeted: false,
@@ -309,9 +281,8 @@ fn start(image: &Symbols, port: usize, case: Case) -> Result<(), String> {
     if !session.resets().is_empty() {
         return Err(format!("{:?}", session.resets()));
     }
-    let line: &mut Line = session.board_mut().mcu.usart[port].chip_mut().expect("the line");
-    let from_chip = std::mem::take(&mut line.from_chip);
-    let bytes: Vec<_> = from_chip.iter().map(|(_, byte)| *byte).collect();
+    let line = session.board_mut().serial_line();
+    let (bytes, byte) = (line.take(), line.shortest_byte());
     let (mut decoder, mut rest) = (Decoder::new(), &bytes[..]);
     let messages: Vec<_> = std::iter::from_fn(|| decoder.next::<DriveMessage>(&mut rest)).collect();
     let is_identity = |it: &Result<Numbered<DriveMessage>, _>| {
@@ -328,17 +299,17 @@ fn start(image: &Symbols, port: usize, case: Case) -> Result<(), String> {
     if !messages.iter().any(is_identity) {
         return Err(format!("no Identity in {messages:?}"));
     }
-    let byte_ns = from_chip.windows(2).map(|pair| pair[1].0 - pair[0].0).min().unwrap_or(0) as f64;
+    let byte_ns = byte.map_or(0.0, |byte| byte.as_secs_f64() * 1e9);
     // The internal oscillator of the model is exact.
     if (byte_ns - BYTE_NS).abs() < 20.0 { Ok(()) } else { Err(format!("{byte_ns} ns for a byte")) }
 }
 
 #[test]
 fn every_image_answers_at_the_stated_speed_after_every_start() {
-    for (name, port) in IMAGES {
+    for (name, _) in boards::BUILT_IN {
         let image = image(name);
         for case in [AFTER_RESET].into_iter().chain(cases()) {
-            start(&image, port, case).unwrap_or_else(|problem| panic!("{name}, {case:?}: {problem}"));
+            start(&image, name, case).unwrap_or_else(|problem| panic!("{name}, {case:?}: {problem}"));
         }
     }
 }
@@ -351,8 +322,8 @@ fn a_start_fails_without_any_part_of_the_entry() {
             image.with_piece("__pre_init", &piece, &Code::default().halfwords(&[NOTHING, *next]))
         })
     };
-    let (name, port) = IMAGES[0];
-    let image = image(name);
+    let board = boards::DEFAULT;
+    let image = image(board);
     let careless = [
         // Each of them replaces the other: cpsid i, movs r0; str r0, [r1], mvns r2, r0.
         ("mask and SysTick", without(&image, &[[MASK_INTERRUPTS, 0x2000], [0x6008, 0x43c2]])),
@@ -363,8 +334,8 @@ fn a_start_fails_without_any_part_of_the_entry() {
     ];
     for (part, careless) in careless {
         let careless = careless.unwrap_or_else(|error| panic!("{part}: {error}"));
-        start(&careless, port, AFTER_RESET).unwrap_or_else(|problem| panic!("without {part}: {problem}"));
-        let failed = cases().into_iter().find(|case| start(&careless, port, *case).is_err());
+        start(&careless, board, AFTER_RESET).unwrap_or_else(|problem| panic!("without {part}: {problem}"));
+        let failed = cases().into_iter().find(|case| start(&careless, board, *case).is_err());
         println!("without {part}: {failed:?}");
         assert!(failed.is_some(), "no start needs {part}");
     }

@@ -8,11 +8,11 @@ use std::time::Duration;
 use lashloop_protocol::Frame;
 use lashloop_protocol::message::{FaultReport, Hello, Identity};
 use lashloop_protocol::wire::Payload;
+use lashloop_silicon::boards;
 use lashloop_silicon::machine::{self, Ended};
 use lashloop_silicon::pins::Pins;
 use lashloop_silicon::surroundings::{End, Surroundings};
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::wiring::Wiring;
 use object::{File, Object, ObjectSection};
 
 /// Length of the answer to a `Hello` and of a fault report, with the delimiter.
@@ -74,7 +74,8 @@ impl Surroundings for Script {
 
 fn run(image: &Symbols, actions: Vec<(Duration, Action)>) -> Ended<Script> {
     let script = Script { actions, received: Vec::new() };
-    let ended = machine::run(image.image().expect("an image"), Wiring::F405_BARE, script).expect("a run");
+    let wiring = boards::open(boards::DEFAULT).expect("the board");
+    let ended = machine::run(image.image().expect("an image"), wiring, script).expect("a run");
     assert!(ended.violations.is_empty(), "{}", ended.violations);
     ended
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use lashloop_plant::{Plant, Plants, Release, Start};
+use lashloop_silicon::boards;
 use lashloop_silicon::drive_train::{DriveTrain, Scales};
 use lashloop_silicon::machine::{self, Ended};
 use lashloop_silicon::pins::{Bridge, Pins};
@@ -18,6 +19,10 @@ const MS: Duration = Duration::from_millis(1);
 fn probe() -> Symbols {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/silicon-probe.elf");
     Symbols::read(&path).expect("`cargo xtask test chip` builds the probe")
+}
+
+fn wiring() -> Wiring {
+    boards::open(boards::DEFAULT).expect("the board")
 }
 
 fn variable(name: &str) -> u64 {
@@ -52,7 +57,7 @@ where
     F: FnMut(&mut Pins<'_>) -> Option<Duration> + Send + 'static,
 {
     let script = Script { turn, bridge: Vec::new() };
-    machine::run(image.image().expect("an image"), Wiring::F405_BARE, script).expect("a run")
+    machine::run(image.image().expect("an image"), wiring(), script).expect("a run")
 }
 
 fn signed(chip: &mut Pins<'_>, address: u64) -> i32 {
@@ -68,7 +73,7 @@ fn the_crystal_starts_the_clock_and_every_pin_is_connected() {
         }
         // The probe drives one output.
         let others =
-            ["PB13", "PA9", "PB14"].map(|pin| format!("{pin} as alternate function 1 with a pull-down"));
+            ["PA9", "PB13", "PB14"].map(|pin| format!("{pin} as alternate function 1 with a pull-down"));
         assert_eq!(chip.unconnected(), others);
         // 1 ms is that of the crystal: the oscillator inside the chip is not exact, and the tick would come late.
         let ticks = chip.word(ticks).expect("memory");
@@ -293,8 +298,7 @@ fn a_plant_between_bridge_and_encoders_is_positioned() {
         counts: [(0, 0); 2],
     };
     let started = Instant::now();
-    let ended =
-        machine::run(probe().image().expect("an image"), Wiring::F405_BARE, surroundings).expect("a run");
+    let ended = machine::run(probe().image().expect("an image"), wiring(), surroundings).expect("a run");
     println!("{:?} of device time in {:?}", ended.device_time, started.elapsed());
     assert_eq!((ended.end, ended.violations.to_string()), (Some(End::Done), String::new()));
     let [of_encoders, of_probe] = ended.surroundings.counts;

@@ -7,13 +7,14 @@ use std::thread;
 use std::time::Duration;
 
 use lashloop_protocol::frame::DELIMITER;
+use lashloop_silicon::boards;
 use lashloop_silicon::chip::CRYSTAL_HZ;
 use lashloop_silicon::drive_train::DriveTrain;
 use lashloop_silicon::machine::Ended;
 use lashloop_silicon::pins::{Bridge, Pins};
 use lashloop_silicon::surroundings::{Arrival, End, Surroundings};
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::wiring::{Encoder, Wiring};
+use lashloop_silicon::wiring::Encoder;
 use rigless::emulator::AccessKind;
 
 use crate::machine::Machine;
@@ -30,17 +31,19 @@ const FIRST_TURN: Duration = Duration::from_micros(50);
 
 /// The drive's image, as `cargo xtask image` builds it.
 pub fn image() -> Symbols {
-    image_of("lashloop-firmware")
+    image_of(boards::DEFAULT)
 }
 
 /// The image of the second board.
 pub fn odrive_image() -> Symbols {
-    image_of("lashloop-firmware-odrive-v3")
+    image_of("odrive-v3")
 }
 
-pub fn image_of(name: &str) -> Symbols {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
-    Symbols::read(&path).expect("`cargo xtask image` builds the image")
+/// The image of a board.
+pub fn image_of(board: &str) -> Symbols {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
+    let path = folder.join(boards::image_of(board)).with_extension("elf");
+    Symbols::read(&path).unwrap_or_else(|error| panic!("{error}; `cargo xtask image` builds it"))
 }
 
 /// What the board has seen so far.
@@ -180,7 +183,7 @@ impl Bench {
 
     fn new(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>) -> Self {
         let board = image.board().expect("an image").expect("the image names its board");
-        let wiring = Wiring::of_board(&board).expect("the pins of the board");
+        let wiring = boards::open(&board).unwrap_or_else(|error| panic!("{error}"));
         let machine = Machine::power_up(image, wiring, |commands| Site {
             train,
             log: Log::default(),

@@ -1,10 +1,11 @@
-//! The images of other boards: an ODrive, with a bridge of its own and no break input, and a NUCLEO-F429ZI, with other pins.
+//! The images of all boards: those with a break input stop at it; an ODrive has a gate driver and a bridge of its own instead.
 
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::{ClearFault, Stop};
-use lashloop_silicon::wiring::{Encoder, Wiring};
+use lashloop_silicon::boards::{self, BUILT_IN};
+use lashloop_silicon::wiring::Encoder;
 
 use crate::bench::{image_of, odrive_image};
 use crate::causes::CAUSES;
@@ -27,10 +28,11 @@ fn an_odrive_boots_with_its_gates_off_and_reports_its_board() {
     let mut host = idle();
     assert_eq!(host.shake_hands(SESSION).board.as_str(), "odrive-v3");
     assert_eq!(host.bench.act(|chip, _| chip.misconfigured()), [""; 0]);
-    let Wiring { high, unused_gates, .. } = Wiring::ODRIVE_V3;
-    for (pins, is_high) in [(high, true), (unused_gates, false)] {
+    let wiring = boards::open("odrive-v3").expect("the board");
+    let select = wiring.gate_driver.expect("a gate driver").select;
+    for (pins, is_high) in [(wiring.high, true), (vec![select], true), (wiring.bridge.unused_gates, false)] {
         for pin in pins {
-            assert_eq!(host.bench.act(|chip, _| chip.is_high(*pin)), is_high, "{pin}");
+            assert_eq!(host.bench.act(move |chip, _| chip.is_high(pin)), is_high, "{pin}");
         }
     }
     let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
@@ -47,7 +49,7 @@ fn an_odrive_drives_two_half_bridges_against_each_other() {
         let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
         let halves = host.bench.act(|chip, _| chip.half_bridges());
         assert_eq!(halves.len(), 2);
-        for ((high, low), duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
+        for ([high, low], duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
             let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
             assert!((high - (duty - DEAD_TIME)).abs() < RESOLUTION, "{reference_rad} rad: {high}, {duty}");
             assert!(
@@ -58,7 +60,7 @@ fn an_odrive_drives_two_half_bridges_against_each_other() {
     }
     assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
     let halves = host.bench.act(|chip, _| chip.half_bridges());
-    assert_eq!(halves, [(None, None); 2]);
+    assert_eq!(halves, [[None; 2]; 2]);
 }
 
 #[test]
@@ -137,30 +139,39 @@ fn every_cause_without_a_break_input_turns_off_all_gates_of_an_odrive() {
 }
 
 #[test]
-fn a_nucleo_f429zi_counts_drives_and_stops_at_its_own_pins() {
-    let mut host = Host::under_torque(&image_of("lashloop-firmware-nucleo-f429zi"), Duration::from_millis(1));
-    assert_eq!(host.bench.act(|chip, _| chip.misconfigured()), [""; 0]);
+fn every_board_with_a_break_input_counts_drives_and_stops_at_its_own_pins() {
+    let has_break_input =
+        |name: &str| boards::open(name).is_ok_and(|wiring| wiring.bridge.break_input.is_some());
+    let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| name).filter(|name| has_break_input(name)).collect();
+    assert!(names.len() >= 4, "{names:?}");
+    of_each(&names, |name| counts_drives_and_stops(name));
+}
+
+fn counts_drives_and_stops(board: &str) {
+    let mut host = Host::under_torque(&image_of(board), Duration::from_millis(1));
+    assert_eq!(host.bench.act(|chip, _| chip.misconfigured()), [""; 0], "{board}");
     host.bench.turn(9e3, 3e3);
     host.steps(100, 0.0);
     host.bench.turn(0.0, 0.0);
     let sample = *host.steps(3, 0.0).last().expect("samples");
     let wires = host.bench.act(|_, site| (site.train.count(Encoder::Motor), site.train.count(Encoder::Load)));
-    assert!(wires.0 > 800 && wires.1 > 250, "{wires:?}");
-    assert_eq!((i64::from(sample.motor_counts.get()), i64::from(sample.load_counts.get())), wires);
+    assert!(wires.0 > 800 && wires.1 > 250, "{board}: {wires:?}");
+    let counted = (i64::from(sample.motor_counts.get()), i64::from(sample.load_counts.get()));
+    assert_eq!(counted, wires, "{board}");
     // Not ready, or its wire cut.
     for level in [Some(true), None] {
         let instant = host.bench.now();
         host.bench.act(move |chip, _| chip.drive_break(level));
         host.steps(3, 1.0);
         let off = host.bench.time_to_off(instant).expect("the bridge off");
-        assert!(off <= Duration::from_micros(1), "{off:?}");
-        assert!(!host.bench.bridge().is_enabled, "the enable line is low");
-        let [fault] = host.faults()[..] else { panic!("one fault") };
-        assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 1));
+        assert!(off <= Duration::from_micros(1), "{board}: {off:?}");
+        assert!(!host.bench.bridge().is_enabled, "{board}: the enable line is low");
+        let [fault] = host.faults()[..] else { panic!("{board}: one fault") };
+        assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 1), "{board}");
         host.bench.act(|chip, _| chip.drive_break(Some(false)));
         host.steps(3, 1.0);
         assert_eq!(host.command(ClearFault {}), (Outcome::Accepted, State::Idle));
         host.run_under_torque();
     }
-    assert_eq!(host.shake_hands(SESSION).board.as_str(), "nucleo-f429zi");
+    assert_eq!(host.shake_hands(SESSION).board.as_str(), board);
 }

@@ -159,14 +159,14 @@ fn two_half_bridges_of_a_bare_board_never_conduct_at_once() {
         let sample = *host.steps(3, reference_rad).last().expect("samples");
         let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
         let halves = host.bench.act(|chip, _| chip.half_bridges());
-        for ((high, low), duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
+        for ([high, low], duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
             let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
             assert!((high - (duty - dead_time)).abs() < 3.0 * RESOLUTION, "{high}, {duty}");
             assert!((low - (1.0 - duty - dead_time)).abs() < 3.0 * RESOLUTION, "{low}, {duty}");
         }
     }
     assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
-    assert_eq!(host.bench.act(|chip, _| chip.half_bridges()), [(None, None); 2]);
+    assert_eq!(host.bench.act(|chip, _| chip.half_bridges()), [[None; 2]; 2]);
 }
 
 #[test]

@@ -14,8 +14,8 @@ use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
 
-/// A measurement of each cause, as many at once as there are cores.
-pub fn of_each<T: Send>(causes: &[&Cause], measure: impl Fn(&Cause) -> T + Sync) -> Vec<T> {
+/// A measurement of each cause, or of something else, as many at once as there are cores.
+pub fn of_each<C: Sync, T: Send>(causes: &[&C], measure: impl Fn(&C) -> T + Sync) -> Vec<T> {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let measure = &measure;
     thread::scope(|scope| {

@@ -1,0 +1,102 @@
+//! The STM32F4: the models of an STM32F427, which has every block of the STM32F405, F429 and F446 that the images use.
+//!
+//! They are made from the reference manual RM0090.
+
+use anyhow::{Context, Result};
+use rigless::device::Level;
+use rigless::machine::armv7m;
+use rigless::mcu::Mcu;
+use rigless::soc::st::tim::Channel;
+use rigless::soc::stm32f427::peripherals::spi::Select;
+use rigless::soc::stm32f427::{PORTS, Stm32f427};
+use rigless::time::VirtualNanos;
+
+use crate::chip::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, port_pin};
+use crate::gate_driver::GateDriver;
+use crate::serial_line::SerialLine;
+use crate::wiring::{Pin, Timer, TimerOutput};
+
+const REGISTERS: Registers = Registers {
+    ports: 0x4002_0000,
+    clock_control: 0x4002_3800,
+    // PLLSRC of RCC_PLLCFGR.
+    pll_source: Bits { address: 0x4002_3804, mask: 1 << 22 },
+    // CC4E of TIM5_CCER.
+    captures_lsi: Bits { address: 0x4000_0c20, mask: 1 << 12 },
+    // DBG_IWDG_STOP of DBGMCU_APB1_FZ, DBG_TIM1_STOP of DBGMCU_APB2_FZ.
+    watchdog_freezes: Bits { address: 0xe004_2008, mask: 1 << 12 },
+    bridge_freezes: Bits { address: 0xe004_200c, mask: 1 << 0 },
+};
+
+/// The part with this crystal.
+pub(crate) fn part(crystal_hz: u64) -> Result<Stm32f427> {
+    let mut part = Stm32f427::new().context("the models of the part don't fit together")?;
+    part.rcc.attach_crystals(crystal_hz, 0);
+    part.set_supply(SUPPLY_MV);
+    Ok(part)
+}
+
+impl Part for Stm32f427 {
+    fn registers(&self) -> &'static Registers {
+        &REGISTERS
+    }
+
+    fn mcu(&mut self) -> &mut dyn Mcu {
+        self
+    }
+
+    fn describe(&self, config: &mut armv7m::Config, starts_in_rom: bool) {
+        if starts_in_rom {
+            config.core.boot = "system";
+        }
+    }
+
+    fn attach_line(&mut self, port: usize) {
+        self.usart[port].attach(SerialLine::default());
+    }
+
+    fn line(&mut self, port: usize) -> Option<&mut SerialLine> {
+        self.usart[port].chip_mut()
+    }
+
+    fn attach_gate_driver(&mut self, interface: usize, select: Pin) {
+        let select = Select { port: PORTS[select.port], pin: port_pin(select), active: Level::Low };
+        self.spi[interface].attach_selected(GateDriver::default(), select);
+    }
+
+    fn gate_driver(&mut self, interface: usize) -> Option<&mut GateDriver> {
+        self.spi[interface].chip_mut(0)
+    }
+
+    fn drive_pin(&mut self, at: VirtualNanos, pin: Pin, level: Option<Level>) {
+        self.drive_port(at, pin.port, |port, registers, context| {
+            port.drive(port_pin(pin), level, registers, context);
+        });
+    }
+
+    fn drive_timer(&mut self, at: VirtualNanos, timer: Timer, channel: Channel, level: Level) {
+        Self::drive_timer(self, at, timer as usize, |timer, registers, context| {
+            timer.drive_input(channel, level, registers, context);
+        });
+    }
+
+    /// Channel 4 of TIM5. The models lack the wire to it (RM0090 18.4.20, TI4_RMP).
+    fn drive_lsi(&mut self, at: VirtualNanos, level: Level) {
+        Part::drive_timer(self, at, Timer::Tim5, channel_of(4), level);
+    }
+
+    fn drive_break(&mut self, at: VirtualNanos, level: Level) {
+        self.drive_advanced_timer(at, TIM1, |timer, registers, context| {
+            timer.drive_break(level, registers, context);
+        });
+    }
+
+    fn output(&mut self, output: TimerOutput) -> Driven {
+        let (timer, registers) = self.advanced_timer(TIM1);
+        Driven::of(timer, registers, output)
+    }
+
+    fn stop_crystal(&mut self, at: VirtualNanos) {
+        self.drive_clocks(at, |clocks, registers, context| clocks.fail_hse(registers, context));
+    }
+}
