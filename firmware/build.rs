@@ -74,7 +74,7 @@ impl Board {
     /// What depends on the board in `src/board`.
     fn write_modules(&self, folder: &Path) {
         let Self { file, link, .. } = self;
-        let fitted = format!("#[path = {:?}]\nmod fitted;\n", file);
+        let fitted = format!("#[path = {file:?}]\nmod fitted;\n");
         fs::write(folder.join("fitted.rs"), fitted).expect("cargo makes OUT_DIR writable");
         let image = format!(
             "#[doc(hidden)]\n#[macro_export]\nmacro_rules! image_of_board {{\n    ($laws:ty) => {{\n        \

@@ -26,6 +26,13 @@ pub(crate) struct Program {
     features: String,
 }
 
+impl Program {
+    /// The board of a drive.
+    pub(crate) fn board(&self) -> Option<&str> {
+        self.features.strip_prefix("image,board-")
+    }
+}
+
 /// The board that has the image without a suffix to its name.
 const FIRST_BOARD: &str = "f405-bare";
 
