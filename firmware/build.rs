@@ -2,7 +2,7 @@
 //!
 //! The linker arguments are not in `.cargo/config.toml` because `RUSTFLAGS` would silently replace them there.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
@@ -16,21 +16,71 @@ fn main() {
         let folder = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
         // Absolute symbols take no flash. `lashloop flash` compares them with what the drive reports.
         let symbols = format!("_lashloop_build_id = 0x{build_id};\n_lashloop_build_is_dirty = {is_dirty};\n");
-        // Virtual silicon wires the pins of the board that the image is for.
-        let boards = [
-            ("NUCLEO_F429ZI", "nucleo-f429zi"),
-            ("NUCLEO_F446RE", "nucleo-f446re"),
-            ("ODRIVE_V3", "odrive-v3"),
-        ];
-        let selected = |feature: &str| env::var_os(format!("CARGO_FEATURE_BOARD_{feature}")).is_some();
-        let name = boards.iter().find(|(feature, _)| selected(feature)).map_or("stm32f405", |it| it.1);
-        let board = format!("\"_lashloop_board_{name}\" = 1;\n");
+        let board = Board::selected();
+        board.write_modules(Path::new(&folder));
+        // Virtual silicon wires the pins of the board, and `lashloop flash` names the chip to a debug probe.
+        let board = format!("\"_lashloop_board_{}\" = 1;\n_lashloop_chip_{} = 1;\n", board.name, board.chip);
         let memory = fs::read_to_string("memory.x").expect("the memory map") + &symbols + &board;
         fs::write(Path::new(&folder).join("memory.x"), memory).expect("cargo makes OUT_DIR writable");
         println!("cargo::rustc-link-search={folder}");
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
         // `lashloop flash` refuses it.
         println!("cargo::rustc-link-arg-bin=codec-cost=--defsym=_lashloop_no_drive=1");
+    }
+}
+
+/// The selected board: a file with its pins in the folder of its chip family, which says the rest.
+struct Board {
+    file: PathBuf,
+    name: String,
+    chip: String,
+    /// Interrupt of its link.
+    link: String,
+}
+
+impl Board {
+    /// The board of the feature `board-...`; the bare board is the default and yields to another one.
+    fn selected() -> Self {
+        let features = env::vars()
+            .filter_map(|(name, _)| Some(name.strip_prefix("CARGO_FEATURE_BOARD_")?.to_lowercase()));
+        let (bare, others): (Vec<_>, Vec<_>) = features.partition(|feature| feature == "f405_bare");
+        let [feature] = &others[..] else {
+            assert!(others.is_empty(), "an image is for one board, and these are selected: {others:?}");
+            let [feature] = &bare[..] else {
+                panic!("no board is selected: features board-... are in Cargo.toml")
+            };
+            return Self::read(feature);
+        };
+        Self::read(feature)
+    }
+
+    fn read(feature: &str) -> Self {
+        let families = fs::read_dir("src/board").expect("the folder of the boards").flatten();
+        let mut files = families.map(|family| family.path().join(format!("{feature}.rs")));
+        let file = files.find(|file| file.exists());
+        let file =
+            file.unwrap_or_else(|| panic!("no folder in src/board has {feature}.rs, the pins of the board"));
+        println!("cargo::rerun-if-changed={}", file.display());
+        let text = fs::read_to_string(&file).expect("the pins of the board");
+        let text_of = |start: &str, end: &str| {
+            let value = text.split_once(start).and_then(|(_, rest)| rest.split_once(end));
+            value.unwrap_or_else(|| panic!("{} has no `{start}...{end}`", file.display())).0.to_owned()
+        };
+        let link = text_of("const LINK: Interrupt = Interrupt::", ";");
+        let (name, chip) = (text_of("const NAME: &str = \"", "\";"), text_of("const CHIP: &str = \"", "\";"));
+        Self { file: file.canonicalize().expect("it exists"), name, chip, link }
+    }
+
+    /// What depends on the board in `src/board`.
+    fn write_modules(&self, folder: &Path) {
+        let Self { file, link, .. } = self;
+        let fitted = format!("#[path = {file:?}]\nmod fitted;\n");
+        fs::write(folder.join("fitted.rs"), fitted).expect("cargo makes OUT_DIR writable");
+        let image = format!(
+            "#[doc(hidden)]\n#[macro_export]\nmacro_rules! image_of_board {{\n    ($laws:ty) => {{\n        \
+             $crate::image!($laws, {link});\n    }};\n}}\n"
+        );
+        fs::write(folder.join("image_of_board.rs"), image).expect("cargo makes OUT_DIR writable");
     }
 }
 

@@ -9,6 +9,8 @@ use crate::wiring::Wiring;
 
 /// Names of the boards of the folder, with the texts of their files.
 pub const BUILT_IN: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/boards.rs"));
+/// Where the pin maps are in the working directory. A new one is found there before it is built in.
+const FOLDER: &str = "virtual-silicon/boards";
 /// The board of an image that names none.
 pub const DEFAULT: &str = "stm32f405";
 
@@ -69,7 +71,7 @@ fn names() -> String {
     BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
-/// The pin map of a board: the name of a built-in one, or the path of a file, which ends in `.toml`.
+/// The pin map of a board: the name of a built-in one or of a new one in [`FOLDER`], or the path of a file, which ends in `.toml`.
 ///
 /// # Errors
 /// There is no such board, or its file is wrong.
@@ -79,7 +81,9 @@ pub fn open(board: &str) -> Result<Wiring, BoardError> {
         None if board.ends_with(".toml") => {
             fs::read_to_string(board).map_err(Problem::from).and_then(|text| read(&text))
         }
-        None => Err(Problem::Unknown),
+        None => fs::read_to_string(format!("{FOLDER}/{board}.toml"))
+            .map_err(|_| Problem::Unknown)
+            .and_then(|text| read(&text)),
     };
     wiring.map_err(|problem| BoardError { board: board.to_owned(), problem })
 }

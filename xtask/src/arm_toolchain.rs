@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::command::{cargo, command, first_line};
 use crate::paths;
@@ -22,43 +22,61 @@ pub(crate) struct Program {
     /// Name of the program.
     pub(crate) name: &'static str,
     /// Name of its image without the suffix.
-    pub(crate) image: &'static str,
-    features: &'static str,
+    pub(crate) image: String,
+    features: String,
 }
 
-/// The drive on a bare board.
-const DRIVE: Program = Program {
-    package: "lashloop-firmware",
-    name: "lashloop-firmware",
-    image: "lashloop-firmware",
-    features: "image,lashloop-firmware/board-f405-bare",
-};
-/// The drive on each board.
-pub(crate) const DRIVES: [Program; 4] = [
-    // The last one: all builds have one place, and the last one stays there.
-    Program { image: "lashloop-firmware-odrive-v3", features: "image,board-odrive-v3", ..DRIVE },
-    Program { image: "lashloop-firmware-nucleo-f429zi", features: "image,board-nucleo-f429zi", ..DRIVE },
-    Program { image: "lashloop-firmware-nucleo-f446re", features: "image,board-nucleo-f446re", ..DRIVE },
-    DRIVE,
-];
-/// Every other program for a board.
-const OTHERS: [Program; 3] = [
-    // Counts the codec's instructions.
-    Program { name: "codec-cost", image: "codec-cost", features: "codec-cost,board-f405-bare", ..DRIVE },
-    // A drive with a law from a crate of its own.
-    Program { package: "own-law", name: "own-law-image", image: "own-law-image", ..DRIVE },
-    // A drive with published laws, whose instructions are counted.
-    Program {
-        package: "published-laws",
-        name: "published-laws-image",
-        image: "published-laws-image",
-        ..DRIVE
-    },
-];
+impl Program {
+    /// The board of a drive.
+    pub(crate) fn board(&self) -> Option<&str> {
+        self.features.strip_prefix("image,board-")
+    }
+}
+
+/// The board that has the image without a suffix to its name.
+const FIRST_BOARD: &str = "f405-bare";
+
+/// The drive on each board that `firmware/Cargo.toml` has a feature for. The first board is the last one: all builds have one place,
+/// and the last one stays there.
+///
+/// # Errors
+/// The file can't be read.
+pub(crate) fn drives() -> Result<Vec<Program>> {
+    let path = paths::root().join("firmware/Cargo.toml");
+    let manifest = fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
+    let boards = manifest.lines().filter_map(|line| line.strip_prefix("board-")?.split_once(" = "));
+    let others = boards.map(|(board, _)| board).filter(|board| *board != FIRST_BOARD);
+    let drive = |board: &str, image| Program {
+        package: "lashloop-firmware",
+        name: "lashloop-firmware",
+        image,
+        features: format!("image,board-{board}"),
+    };
+    let others = others.map(|board| drive(board, format!("lashloop-firmware-{board}")));
+    Ok(others.chain([drive(FIRST_BOARD, "lashloop-firmware".to_owned())]).collect())
+}
 
 /// Every program for a board.
-pub(crate) fn programs() -> impl Iterator<Item = &'static Program> {
-    DRIVES.iter().chain(&OTHERS)
+///
+/// # Errors
+/// As [`drives`].
+pub(crate) fn programs() -> Result<Vec<Program>> {
+    let other = |package, name: &'static str, features: &str| Program {
+        package,
+        name,
+        image: name.to_owned(),
+        features: features.to_owned(),
+    };
+    let with_laws = "image,lashloop-firmware/board-f405-bare";
+    let others = [
+        // Counts the codec's instructions.
+        other("lashloop-firmware", "codec-cost", "codec-cost,board-f405-bare"),
+        // A drive with a law from a crate of its own.
+        other("own-law", "own-law-image", with_laws),
+        // A drive with published laws, whose instructions are counted.
+        other("published-laws", "published-laws-image", with_laws),
+    ];
+    Ok(drives()?.into_iter().chain(others).collect())
 }
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";

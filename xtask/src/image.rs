@@ -4,17 +4,32 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-use crate::arm_toolchain::{ArmToolchain, TARGET, programs};
+use crate::arm_toolchain::{ArmToolchain, Program, TARGET, drives, programs};
 use crate::{command, paths};
 
 /// Builds the images and copies them to their well-known places.
 pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
-    for program in programs() {
-        command::run(&mut toolchain.build(program))?;
-        publish(program.name, program.image)?;
+    for program in programs()? {
+        command::run(&mut toolchain.build(&program))?;
+        publish(program.name, &program.image)?;
     }
     Ok(())
+}
+
+/// Builds the image of one board.
+///
+/// # Errors
+/// There is no such board, or its image can't be built.
+pub(crate) fn build_for(board: &str) -> Result<()> {
+    let drives = drives()?;
+    let found = drives.iter().find(|program| program.board() == Some(board));
+    let program = found.with_context(|| {
+        let boards: Vec<_> = drives.iter().filter_map(Program::board).collect();
+        format!("no board {board}: firmware/Cargo.toml has features for {}", boards.join(", "))
+    })?;
+    command::run(&mut ArmToolchain::find()?.build(program))?;
+    publish(program.name, &program.image)
 }
 
 /// Copies a program that was built to the well-known place of its image.

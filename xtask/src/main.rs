@@ -42,7 +42,10 @@ enum Chore {
     /// Install what the tests need and is missing here, after printing what that is
     Setup,
     /// Build the Arm images, copy them to target/*.elf and print the size of the drive's
-    Image,
+    Image {
+        /// The board of the only image to build, as `nucleo-f446re`
+        board: Option<String>,
+    },
     /// Build virtual silicon, the program behind `--device silicon`, into target/virtual-silicon
     Silicon,
     /// Build the program as one static file, run it, and pack it with licences, completions, man pages and a checksum into
@@ -63,7 +66,8 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Check => return Ok(checks::run_all().print()),
         Chore::Setup => setup::install_missing()?,
-        Chore::Image => {
+        Chore::Image { board: Some(board) } => image::build_for(&board)?,
+        Chore::Image { board: None } => {
             image::build()?;
             size::print()?;
         }

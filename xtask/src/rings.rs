@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 
-use crate::arm_toolchain::{ArmToolchain, DRIVES};
+use crate::arm_toolchain::{ArmToolchain, drives};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::one_test::{Conditions, Test, run_each};
@@ -114,9 +114,10 @@ impl Selection {
             Ring::Image => {
                 counts.step("image", image::build);
                 counts.step("image size", size::check);
-                for program in DRIVES {
-                    counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy(&program)?));
-                }
+                counts.step("image clippy", || {
+                    let toolchain = ArmToolchain::find()?;
+                    drives()?.iter().try_for_each(|program| run(&mut toolchain.clippy(program)?))
+                });
             }
             Ring::Python if self.timing != Some(Timing::Timed) => {
                 counts.step("python lint", || Project::Package.lint());

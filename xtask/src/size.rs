@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use object::elf::{self, SHF_ALLOC, SHF_WRITE};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 
-use crate::arm_toolchain::{DRIVES, Program};
+use crate::arm_toolchain::{Program, drives};
 use crate::codec_size::CodecSize;
 use crate::paths;
 
@@ -25,14 +25,14 @@ pub(crate) struct Size {
 
 /// Prints the sizes of the boards' images.
 pub(crate) fn print() -> Result<()> {
-    for program in DRIVES {
+    for program in drives()? {
         print_one(&program)?;
     }
     Ok(())
 }
 
 fn print_one(program: &Program) -> Result<Size> {
-    let path = paths::image(program.image);
+    let path = paths::image(&program.image);
     let elf =
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;
@@ -49,7 +49,7 @@ fn print_one(program: &Program) -> Result<Size> {
 /// # Errors
 /// A size exceeds its limit, or there is no image.
 pub(crate) fn check() -> Result<()> {
-    for program in DRIVES {
+    for program in drives()? {
         let size = print_one(&program)?;
         ensure!(
             size.text <= TEXT_LIMIT,

@@ -1,11 +1,13 @@
 //! The lines of a servo amplifier, or of a bridge without a gate driver to configure: ready and enable.
 
-use super::pwm_stage::{StageLines, clear_main_output};
+use super::Fitted;
+use super::chip::{Chip, PwmTimer as _};
+use super::pwm_stage::StageLines;
 use crate::power_stage::{PowerStageFault, StageMode};
 
 /// Both lines of a board.
-pub trait AmplifierLines {
-    /// Whether the ready line, which is also the break input of TIM1, is high: the power stage isn't ready.
+pub trait AmplifierLines: Send + 'static {
+    /// Whether the ready line, which is also the break input of the timer, is high: the power stage isn't ready.
     fn is_broken(&self) -> bool;
 
     /// Raises the enable line.
@@ -37,7 +39,7 @@ impl<L: AmplifierLines> StageLines for L {
 
     #[inline(never)]
     fn switch_off() {
-        clear_main_output();
+        <Fitted as Chip>::Pwm::disable_outputs();
         L::lower_enable();
     }
 }

@@ -4,12 +4,11 @@ use core::time::Duration;
 
 use lashloop_protocol::enums::State;
 use rtic::Mutex;
-use stm32f4xx_hal::pac::TIM5;
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
+use super::Fitted;
+use super::chip::{Chip, PeriodTimer as _};
 use super::device_clock::DeviceClock;
-use super::fitted::{Lines, LoadEncoder, MotorEncoder};
+use super::encoder::Encoder;
 use super::pwm_stage::{PwmStage, StageLines as _};
 use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
@@ -19,39 +18,38 @@ use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
 
 /// The power stage as the drive commands it.
-pub type Stage = Actuator<PwmStage<Lines>>;
+pub type Stage = Actuator<PwmStage<<Fitted as Chip>::Pwm, <Fitted as Chip>::StageLines>>;
 
 /// Limits of 16-bit encoder counters and their filters, and of a tick whose timer counts microseconds in 32 bits.
 pub(super) const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: LARGEST_MOVE_COUNTS,
     filters_ns: &FILTERS_NS,
-    stage_modes: Lines::MODES,
+    stage_modes: <Fitted as Chip>::StageLines::MODES,
     longest_period_us: u32::MAX,
 };
 
 /// The tick and the encoders, for the task of TIM5.
 pub struct Tick {
-    timer: CounterUs<TIM5>,
+    timer: <Fitted as Chip>::Tick,
     period: Duration,
     /// The next tick is overdue after this time: 1.5 periods.
     overdue_us: u32,
     /// Pulses that the filters of the encoders are to stop.
     filter_ns: u32,
-    motor: MotorEncoder,
-    load: LoadEncoder,
+    motor: Encoder<<Fitted as Chip>::MotorEncoder>,
+    load: Encoder<<Fitted as Chip>::LoadEncoder>,
     clock: DeviceClock,
 }
 
 impl Tick {
     /// Starts ticking with this period.
     pub(super) fn start(
-        mut timer: CounterUs<TIM5>,
-        encoders: (MotorEncoder, LoadEncoder),
+        timer: <Fitted as Chip>::Tick,
+        (motor, load): (<Fitted as Chip>::MotorEncoder, <Fitted as Chip>::LoadEncoder),
         clock: DeviceClock,
         period: Duration,
     ) -> Self {
-        timer.listen(Event::Update);
-        let (motor, load) = encoders;
+        let (motor, load) = (Encoder::new(motor), Encoder::new(load));
         let mut tick =
             Self { timer, period: Duration::ZERO, overdue_us: u32::MAX, filter_ns: 0, motor, load, clock };
         tick.set_period(period);
@@ -65,7 +63,7 @@ impl Tick {
         stage: &mut Stage,
         monitor: &mut impl Mutex<T = Option<TickMonitor>>,
     ) {
-        self.timer.clear_flags(Flag::Update);
+        self.timer.clear();
         // A run that continues has the period at hand; otherwise reading it is a tenth of a step.
         let period = match drive.state() {
             State::Running => drive.run_period().unwrap_or(self.period),
@@ -84,14 +82,14 @@ impl Tick {
             self.motor.set_filter(filter_ns);
             self.load.set_filter(filter_ns);
         }
-        let since_due = Duration::from_micros(self.timer.now().ticks().into());
+        let since_due = Duration::from_micros(self.timer.count_us().into());
         let due = self.clock.now().saturating_sub(since_due);
         let readings =
             PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
         drive.sample(&readings, due, &self.clock);
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept
         // SysTick waiting.
-        if self.timer.flags().contains(Flag::Update) {
+        if self.timer.has_ended() {
             drive.miss_tick(self.clock.now());
         }
         stage.follow(drive.stage_command());
@@ -109,7 +107,7 @@ impl Tick {
     fn set_period(&mut self, period: Duration) {
         self.period = period;
         if let Ok(micros) = u32::try_from(period.as_micros()) {
-            let _ = self.timer.start(micros.micros());
+            self.timer.restart(micros);
             self.overdue_us = micros.saturating_add(micros / 2);
         }
     }

@@ -16,7 +16,7 @@ use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 
-use super::clock_tree::CORE_HZ;
+use super::chip::CORE_HZ;
 use super::last_resort;
 
 const CYCLES_PER_MILLISECOND: u32 = CORE_HZ / 1_000;
@@ -94,6 +94,7 @@ impl Clock for DeviceClock {
                 counted = counted.plus_millisecond();
                 count = SYST::get_current();
             }
+            const { assert!(CORE_HZ == 168_000_000) };
             // 168 cycles are 1,000 ns; the product stays below 2^25.
             let nanoseconds = cycles_since_zero(count) * 125 / 21;
             let now = Duration::new(counted.seconds, counted.milliseconds * 1_000_000 + nanoseconds);

@@ -3,14 +3,14 @@
 
 use core::panic::{Location, PanicInfo};
 
-use super::pwm_stage::StageLines;
-use super::{device_clock, fitted, last_resort, usb_port};
+use super::chip::{Chip, Transmitter as _};
+use super::pwm_stage::StageLines as _;
+use super::{Fitted, device_clock, last_resort};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
-use stm32f4xx_hal::pac::Interrupt;
 
 /// Polls of the transmitter before a byte is given up: at 168 MHz about 100 times the duration of a byte.
 const POLLS_PER_BYTE: u32 = 20_000;
@@ -45,15 +45,15 @@ unsafe fn DefaultHandler(interrupt: i16) {
 fn stop(code: FaultCode, detail: u32) -> ! {
     cortex_m::interrupt::disable();
     // First of all: no torque outlives the code that computed it.
-    fitted::Lines::switch_off();
+    <Fitted as Chip>::StageLines::switch_off();
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail, device_clock::now()));
-    usb_port::disconnect();
+    Fitted::disconnect_usb();
     // An interrupt that stays enabled and pending would end every sleep at once.
-    NVIC::mask(fitted::LINK);
-    NVIC::mask(Interrupt::OTG_FS);
-    // SAFETY: as in `send`: the owner of SysTick never runs again.
+    NVIC::mask(Fitted::LINK);
+    NVIC::mask(Fitted::SERVE);
+    // SAFETY: interrupts are off, and the owner of SysTick never runs again.
     #[allow(unsafe_code)]
     let mut syst = unsafe { Peripherals::steal() }.SYST;
     syst.disable_interrupt();
@@ -69,13 +69,9 @@ fn stop(code: FaultCode, detail: u32) -> ! {
 
 /// Transmits until the transmitter accepts no more bytes, as in a panic before the link is open.
 fn send(bytes: &[u8]) {
-    // SAFETY: interrupts are off and control never returns to the owner of the USART.
-    #[allow(unsafe_code)]
-    let usart = unsafe { fitted::LinkPort::steal() };
     for byte in bytes {
-        if !(0..POLLS_PER_BYTE).any(|_| usart.sr().read().txe().bit_is_set()) {
+        if !(0..POLLS_PER_BYTE).any(|_| <Fitted as Chip>::Transmitter::write_from_any_code(*byte)) {
             return;
         }
-        usart.dr().write(|w| w.dr().set((*byte).into()));
     }
 }

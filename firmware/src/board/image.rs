@@ -173,23 +173,5 @@ macro_rules! image {
     };
 }
 
-/// The image with the interrupt of the board's serial port. The condition stands here, because in an expansion it would be one of the
-/// crate with the laws.
-#[doc(hidden)]
-#[cfg(not(feature = "board-nucleo-f429zi"))]
-#[macro_export]
-macro_rules! image_of_board {
-    ($laws:ty) => {
-        $crate::image!($laws, USART2);
-    };
-}
-
-/// As above.
-#[doc(hidden)]
-#[cfg(feature = "board-nucleo-f429zi")]
-#[macro_export]
-macro_rules! image_of_board {
-    ($laws:ty) => {
-        $crate::image!($laws, USART3);
-    };
-}
+// `image_of_board!`: the image with the interrupt of the board's link.
+include!(concat!(env!("OUT_DIR"), "/image_of_board.rs"));

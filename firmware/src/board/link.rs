@@ -7,19 +7,15 @@
 //! | silicon | the interrupt writes a queued byte whenever the data register is empty: no task waits for the line |
 //! | QEMU | the task that serves the drive polls the data register: QEMU never raises the transmitter's interrupts. Bytes and ticks interrupt the polling |
 
-use super::fitted::{LINK, LinkPins, LinkPort};
+use super::Fitted;
+use super::chip::{Chip, Receiver as _, Transmitter as _};
 use crate::usb::{ByteLine, CHUNK_BYTES, Chunk};
 use cortex_m::peripheral::NVIC;
 use heapless::{Vec, spsc};
-use stm32f4xx_hal::gpio::Pull;
-use stm32f4xx_hal::nb;
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx, TxISR, TxListen};
 
 /// Bits per second, the default of hosts. The divider gives 913,043 (42 MHz by 46), common USB adapters give 923,077
 /// (3 MHz by 3.25): the difference is 1.1 %, and the receiver tolerates 3.3 % (RM0090 30.3.5).
-const BAUD: u32 = 921_600;
+pub(super) const BAUD: u32 = 921_600;
 
 /// Capacity of the receive queue: 11 ms of line time, far more than the handling of one frame takes.
 const RECEIVE_BYTES: usize = 1024;
@@ -42,19 +38,19 @@ pub struct Queues {
     to_transmit: spsc::Queue<u8, TRANSMIT_BYTES>,
 }
 
-/// A received byte was lost: overrun of the USART or the queue, framing error or noise.
+/// A received byte was lost: overrun of the port or the queue, framing error or noise.
 pub struct LineError;
 
 /// Owned by the interrupt.
 pub struct UsartInterrupt {
-    rx: Rx<LinkPort>,
+    rx: <Fitted as Chip>::Receiver,
     received: spsc::Producer<'static, u8>,
     /// `None` where the task polls.
     transmitter: Option<Transmitter>,
 }
 
 struct Transmitter {
-    tx: Tx<LinkPort>,
+    tx: <Fitted as Chip>::Transmitter,
     queue: spsc::Consumer<'static, u8>,
     /// Whether an empty data register raises the interrupt.
     is_listening: bool,
@@ -68,23 +64,15 @@ pub struct Usart {
 
 enum Output {
     Interrupt { queue: spsc::Producer<'static, u8>, is_loaded: bool },
-    Polling { tx: Tx<LinkPort>, piece: Vec<u8, CHUNK_BYTES> },
+    Polling { tx: <Fitted as Chip>::Transmitter, piece: Vec<u8, CHUNK_BYTES> },
 }
 
-/// Opens the link and enables the receive interrupt.
+/// Opens the link.
 pub(super) fn open(
-    (usart, (out_pin, in_pin)): (LinkPort, LinkPins),
-    rcc: &mut Rcc,
+    (rx, tx): (<Fitted as Chip>::Receiver, <Fitted as Chip>::Transmitter),
     queues: &'static mut Queues,
     transmission: Transmission,
 ) -> (UsartInterrupt, Usart) {
-    // The pull-up holds an open input idle: without it noise is received as bytes.
-    let pins = (out_pin, in_pin.internal_resistor(Pull::Up));
-    let config = Config::default().baudrate(BAUD.bps());
-    let serial =
-        usart.serial(pins, config, rcc).expect("the peripheral clock is at least 8 times the baud rate");
-    let (tx, mut rx) = serial.split();
-    rx.listen();
     let (received, inbox) = queues.received.split();
     let (transmitter, output) = match transmission {
         Transmission::Interrupt => {
@@ -119,10 +107,9 @@ impl UsartInterrupt {
     /// A received byte is lost.
     pub fn serve(&mut self) -> Result<bool, LineError> {
         let has_drained = self.transmitter.as_mut().is_some_and(Transmitter::serve);
-        match self.rx.read() {
-            Ok(byte) => self.received.enqueue(byte).map(|()| true).map_err(|_| LineError),
-            Err(nb::Error::WouldBlock) => Ok(has_drained),
-            Err(nb::Error::Other(_)) => Err(LineError),
+        match self.rx.read()? {
+            Some(byte) => self.received.enqueue(byte).map(|()| true).map_err(|_| LineError),
+            None => Ok(has_drained),
         }
     }
 }
@@ -131,20 +118,19 @@ impl Transmitter {
     /// Writes a byte if the data register is empty. Returns whether it was the last of the queue: two byte times remain to
     /// queue more without a gap on the line.
     fn serve(&mut self) -> bool {
-        if !self.tx.is_tx_empty() {
+        if !self.tx.is_empty() {
             return false;
         }
         let Some(byte) = self.queue.dequeue() else {
             if self.is_listening {
-                self.tx.unlisten();
+                self.tx.interrupt_when_empty(false);
                 self.is_listening = false;
             }
             return false;
         };
-        // The register is empty.
-        let _ = self.tx.write(byte);
+        self.tx.write(byte);
         if !self.is_listening {
-            self.tx.listen();
+            self.tx.interrupt_when_empty(true);
             self.is_listening = true;
         }
         !self.queue.ready()
@@ -177,13 +163,13 @@ impl ByteLine for Usart {
         match &mut self.output {
             Output::Interrupt { is_loaded, .. } => {
                 if core::mem::take(is_loaded) {
-                    NVIC::pend(LINK);
+                    NVIC::pend(Fitted::LINK);
                 }
             }
             Output::Polling { tx, piece } => {
                 for byte in piece.iter() {
-                    // A transmitter reports no error (RM0090 30.6.1), only that it is busy.
-                    let _ = nb::block!(tx.write(*byte));
+                    while !tx.is_empty() {}
+                    tx.write(*byte);
                 }
                 piece.clear();
             }

@@ -7,13 +7,11 @@ use core::mem::MaybeUninit;
 use core::ptr;
 
 use cortex_m::peripheral::{NVIC, SCB};
-use stm32f4xx_hal::pac::{RCC, SYSCFG};
 
-use super::fitted::Lines;
-use super::pwm_stage::StageLines;
+use super::Fitted;
+use super::chip::Chip;
+use super::pwm_stage::StageLines as _;
 
-/// Start of the ROM: its vector table (RM0090 2.4, system memory).
-const ROM: u32 = 0x1fff_0000;
 /// A word that RAM doesn't hold by chance after power-up.
 const REQUEST: u32 = 0x5245_4f4c;
 
@@ -26,7 +24,7 @@ static mut WORD: MaybeUninit<u32> = MaybeUninit::uninit();
 /// Resets the chip into its boot loader.
 pub fn enter() -> ! {
     cortex_m::interrupt::disable();
-    Lines::switch_off();
+    <Fitted as Chip>::StageLines::switch_off();
     // SAFETY: interrupts are off, and nothing else uses the word.
     #[allow(unsafe_code)]
     unsafe {
@@ -36,7 +34,7 @@ pub fn enter() -> ! {
 }
 
 /// Starts the boot loader if the firmware before the reset was to do so. To be called before anything is configured.
-pub(super) fn follow_request(rcc: &RCC, syscfg: &SYSCFG) {
+pub(super) fn follow_request(device: &<Fitted as Chip>::Peripherals) {
     // SAFETY: any bits are a `u32`, and this runs once, before the tasks.
     #[allow(unsafe_code)]
     let word = unsafe { ptr::read_volatile((&raw const WORD).cast::<u32>()) };
@@ -48,10 +46,7 @@ pub(super) fn follow_request(rcc: &RCC, syscfg: &SYSCFG) {
     unsafe {
         ptr::write_volatile(&raw mut WORD, MaybeUninit::new(0));
     }
-    // The loader takes its vectors from address 0. Until the clock has arrived, SYSCFG ignores a write (ES0182 2.2.13).
-    rcc.apb2enr().modify(|_, w| w.syscfgen().enabled());
-    cortex_m::asm::dsb();
-    syscfg.memrmp().write(|w| w.mem_mode().system_flash());
+    Fitted::show_rom(device);
     // SAFETY: no task has run: what the start-up code has unmasked is masked again, and the loader, which uses interrupts,
     // takes over stack and processor for good.
     #[allow(unsafe_code)]
@@ -59,8 +54,8 @@ pub(super) fn follow_request(rcc: &RCC, syscfg: &SYSCFG) {
         for register in &(*NVIC::PTR).icer {
             register.write(u32::MAX);
         }
-        (*SCB::PTR).vtor.write(0);
+        (*SCB::PTR).vtor.write(Fitted::ROM_VECTORS);
         cortex_m::interrupt::enable();
-        cortex_m::asm::bootload(ROM as *const u32)
+        cortex_m::asm::bootload(Fitted::ROM as *const u32)
     }
 }

@@ -1,70 +1,67 @@
-//! The STM32F405 and its relatives: all register access.
+//! The drive on a microcontroller: all register access.
 //!
-//! One image serves the chip and QEMU's `netduinoplus2`, which models the core, SysTick and the USARTs but neither
-//! the clock tree nor the timers. [`start`] alone distinguishes the two, at run time.
+//! A chip family is a folder, and each of its boards a file with its pins; a feature selects the board. [`chip`] is the seam: what a
+//! family has to have. The rest is the same on each.
 //!
-//! On silicon the drive has pins too: encoders, a power stage, and a timer as tick. The emulator has none of them, so the
-//! drive doesn't offer bench mode there. Each board has a file with its pins; a feature selects it, in `fitted`.
+//! The image of an STM32F405 serves QEMU's `netduinoplus2` too, which models the core, SysTick and the USARTs but neither
+//! the clock tree nor the timers; the start alone distinguishes the two, at run time. On silicon the drive has pins too: encoders, a
+//! power stage, and a timer as tick. The emulator has none of them, so the drive doesn't offer bench mode there.
 //!
 //! [`image!`](crate::image) makes a program of the board and a set of laws.
 
-#[cfg(not(feature = "board-odrive-v3"))]
+#[allow(dead_code, unused_imports, reason = "a board may have a bridge with lines of its own")]
 mod amplifier;
 mod bench;
-mod clock_tree;
-mod crystal;
+pub mod chip;
+mod clock_source;
 mod device_clock;
 mod encoder;
 mod entry;
-#[cfg(not(any(feature = "board-odrive-v3", feature = "board-nucleo-f429zi")))]
-mod f405_bare;
 mod fault_handlers;
-mod fitted;
-#[cfg(feature = "board-odrive-v3")]
-mod gate_driver;
 mod image;
 mod last_resort;
 mod link;
 pub mod loader;
-#[cfg(feature = "board-nucleo-f429zi")]
-mod nucleo_f429zi;
-#[cfg(feature = "board-nucleo-f446re")]
-mod nucleo_f446re;
-#[cfg(feature = "board-odrive-v3")]
-mod odrive_v3;
-mod ports;
 mod pwm_stage;
 mod stack_guard;
+#[cfg(feature = "stm32f4")]
+mod stm32f4;
+#[cfg(feature = "stm32h7")]
+mod stm32h7;
 mod tick_monitor;
 mod usb_port;
 
 pub use cortex_m;
 pub use rtic;
-pub use stm32f4xx_hal::pac;
 
 pub use bench::{Stage, Tick};
 pub use device_clock::{DeviceClock, Ticker};
 pub use link::{LineError, UsartInterrupt};
+#[cfg(feature = "stm32f4")]
+pub use stm32f4::{Stm32f4 as Fitted, pac};
+#[cfg(feature = "stm32h7")]
+pub use stm32h7::{Stm32h7 as Fitted, pac};
 pub use tick_monitor::TickMonitor;
 
 use cortex_m::peripheral::{MPU, SYST};
 use lashloop_protocol::enums::LogLevel;
-use stm32f4xx_hal::pac::{DBGMCU, Peripherals};
 
 use crate::drive::Drive;
 use crate::law::LawSet;
-use clock_tree::Source;
+use chip::{Bench, Chip, Started};
+use clock_source::ClockSource;
 use link::Transmission;
-use ports::Ports;
-use stm32f4xx_hal::timer::TimerExt;
+
+/// Driver of the USB port.
+type Usb = <Fitted as Chip>::Usb;
 
 /// The lines of the board.
-pub type Lines = crate::usb::Lines<'static, link::Usart, usb_port::Bus>;
+pub type Lines = crate::usb::Lines<'static, link::Usart, Usb>;
 
 /// What the lines need for as long as the firmware runs.
 pub struct Memory {
     queues: link::Queues,
-    usb: usb_port::UsbMemory,
+    usb: usb_port::UsbMemory<Usb>,
 }
 
 impl Memory {
@@ -100,60 +97,35 @@ pub struct Board<L: LawSet> {
 /// Starts the board within 0.2 s, with or without a crystal.
 pub fn start<L: LawSet>(
     (syst, mpu): (SYST, &MPU),
-    device: Peripherals,
+    device: <Fitted as Chip>::Peripherals,
     memory: &'static mut Memory,
 ) -> Board<L> {
-    let emulated = is_emulated(&device.DBGMCU);
-    if !emulated {
-        loader::follow_request(&device.RCC, &device.SYSCFG);
+    let is_emulated = Fitted::is_emulated(&device);
+    if !is_emulated {
+        loader::follow_request(&device);
     }
     // After the loader, whose own variables are there.
     stack_guard::start(mpu);
-    let (mut rcc, source) = clock_tree::start(device.RCC, &device.TIM5, emulated);
-    let ports = Ports::new((device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE), &mut rcc);
-    let (link, usb_pins, bench_pins) = fitted::share(ports, (device.USART2, device.USART3));
     let Memory { queues, usb } = memory;
-    let transmission = if emulated { Transmission::Polling } else { Transmission::Interrupt };
-    let (usart, uart) = link::open(link, &mut rcc, queues, transmission);
-    let usb = match source {
-        Source::Crystal => {
-            let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
-            usb_port::open(core, usb_pins, &mut rcc, usb)
-        }
-        Source::Emulator | Source::InternalOscillator(_) => None,
-    };
+    let Started { clock: source, link, usb, bench } = Fitted::start(device, is_emulated, usb);
+    let transmission = if is_emulated { Transmission::Polling } else { Transmission::Interrupt };
+    let (usart, uart) = link::open(link, queues, transmission);
     let lines = Lines::new(uart, usb);
     let (clock, ticker) = device_clock::start(syst);
-    let (drive, bench) = match source {
-        Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
-        Source::Crystal | Source::InternalOscillator(_) => {
-            let timers = (device.TIM1, device.TIM3, device.TIM4, device.SPI3);
-            let (motor, load, stage) = fitted::start(bench_pins, timers, &mut rcc);
-            let reason = match source {
-                // Its periods are too inaccurate for a motor, and nothing would notice that it drifts.
-                Source::InternalOscillator(why) => Some(why.text()),
-                // A core that waits at a breakpoint turns no motor off in time.
-                _ if cfg!(feature = "debug") => Some("image for a debugger: no bench mode"),
-                _ => None,
-            };
-            if let Some(reason) = reason {
-                let mut drive = Drive::with_laws(fitted::NAME).with_loader();
+    let (drive, bench) = match (source, bench) {
+        (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
+        (_, Some(Bench { motor, load, stage, tick, monitor })) => {
+            let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
+            let tick = Tick::start(tick, (motor, load), clock, drive.period());
+            (drive, Some((Stage::new(stage), (tick, TickMonitor::new(monitor)))))
+        }
+        (source, None) => {
+            let mut drive = Drive::with_laws(Fitted::BOARD).with_loader();
+            if let Some(reason) = source.reason_against_bench_mode() {
                 drive.log(LogLevel::Warning, &[reason]);
-                (drive, None)
-            } else {
-                let drive = Drive::with_pins(fitted::NAME, bench::HARDWARE).with_loader();
-                let timer = device.TIM5.counter(&mut rcc);
-                let tick = Tick::start(timer, (motor, load), clock, drive.period());
-                let monitor = TickMonitor::start(device.TIM2, &mut rcc);
-                last_resort::start(device.IWDG, &device.DBGMCU);
-                (drive, Some((Stage::new(stage), (tick, monitor))))
             }
+            (drive, None)
         }
     };
     Board { drive, bench, clock, ticker, usart, lines }
-}
-
-/// Whether this is QEMU, which has no chip identity: it reads 0, never on silicon (RM0090 38.6.1).
-fn is_emulated(dbgmcu: &DBGMCU) -> bool {
-    dbgmcu.idcode().read().bits() == 0
 }

@@ -20,7 +20,6 @@ use lashloop::rig::file::Loader;
 use lashloop::rig::lock::RigLock;
 use lashloop::rig::way::Way;
 use lashloop_hardware::flash::confirmation::Expected;
-use lashloop_hardware::flash::image::chip_of;
 use lashloop_hardware::flash::program::Runner;
 use lashloop_hardware::flash::{FlashError, Image, Target, confirmation, way, writer};
 use lashloop_hardware::ports;
@@ -55,7 +54,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     line: BaudOption,
 
-    /// Terminal at USART1 or USART3 of the chip, for `uart`; without it, that of the drive, which is then sent no request to
+    /// Terminal at PA9 and PA10 or PB10 and PB11 of the chip, for `uart`; without it, that of the drive, which is then sent no request to
     /// enter its boot loader
     #[arg(long, value_name = "PATH")]
     loader_port: Option<PathBuf>,
@@ -98,7 +97,7 @@ impl Arguments {
         let loader_port = self.loader_port.or(port);
         let has_loader_port = loader_port.is_some();
         let mut target = Target {
-            chip: chip.unwrap_or_else(|| chip_of(&expected.board).to_owned()),
+            chip: chip.unwrap_or_else(|| image.chip.clone()),
             probe: self.probe.or(probe),
             under_reset: true,
             loader_port: loader_port.or_else(terminal),

@@ -189,7 +189,7 @@ settings! {
         pub chip: Option<String> = any_text(),
         /// The debug probe, as `VID:PID:SERIAL`; absent for the only one.
         pub probe: Option<String> = any_text(),
-        /// Path of the terminal at USART1 or USART3 of the chip, where its ROM loader listens; that of the drive if absent.
+        /// Path of the terminal at PA9 and PA10 or PB10 and PB11 of the chip, where its ROM loader listens; that of the drive if absent.
         /// Only with this key a drive is requested to enter its loader for `uart`.
         pub port: Option<PathBuf> = any_text().map(|path, _| path.map(PathBuf::from)),
     }

@@ -29,7 +29,7 @@ impl Way {
         match self {
             Self::Probe => "a debug probe, by probe-rs",
             Self::Dfu => "the boot loader in ROM over USB, by dfu-util",
-            Self::Uart => "the boot loader in ROM at USART1 or USART3, by stm32flash",
+            Self::Uart => "the boot loader in ROM at PA9 and PA10 or PB10 and PB11, by stm32flash",
         }
     }
 

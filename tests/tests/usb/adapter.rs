@@ -83,7 +83,7 @@ pub(crate) fn held(machine: &mut Machine) {
     let device = Device::plug(machine, Kind::Adapter, "LASHF1");
     let machine = &mut *device.machine;
     let holder = start_run(machine, "/dev/ttyUSB0", &["run.duration_s=1000"]);
-    await_run(machine);
+    await_run(machine, holder);
     let users = [User::Member, User::Root].map(|user| machine.lashloop_as(user, &DOCTOR));
     machine.kill(holder);
     for doctor in users {
@@ -96,7 +96,7 @@ pub(crate) fn resumed(machine: &mut Machine) {
     let mut device = Device::plug(machine, Kind::Adapter, "LASHF1");
     let name = Kind::Adapter.stable_name("LASHF1");
     let run = start_run(device.machine, &name, &RESUMING);
-    await_run(device.machine);
+    await_run(device.machine, run);
     device.replug("LASHF1");
     check_resumed(&finish_run(device.machine, run));
 }
@@ -105,7 +105,7 @@ pub(crate) fn other_adapter(machine: &mut Machine) {
     let mut device = Device::plug(machine, Kind::Adapter, "LASHF1");
     let settings = [&RESUMING[..], &["link.resume_limit_ms=3000"]].concat();
     let run = start_run(device.machine, "/dev/ttyUSB0", &settings);
-    await_run(device.machine);
+    await_run(device.machine, run);
     device.replug("LASHF2");
     let (ended, _) = finish_run(device.machine, run);
     let ended = ended.with_code(4);

@@ -41,7 +41,7 @@ pub(crate) fn conforming(machine: &mut Machine) {
 pub(crate) fn resumed(machine: &mut Machine) {
     let mut device = plug(machine);
     let run = start_run(device.machine, &Kind::DrivePort.stable_name("LASHC1"), &RESUMING);
-    await_run(device.machine);
+    await_run(device.machine, run);
     device.replug("LASHC1");
     check_resumed(&finish_run(device.machine, run));
 }

@@ -27,7 +27,7 @@ pub(crate) fn resumed(machine: &mut Machine) {
     let drive = Twin::start();
     let plugged = plug(machine, &drive);
     let run = start_run(machine, NAME, &RESUMING);
-    await_run(machine);
+    await_run(machine, run);
     drop(plugged);
     machine.await_removal(NAME);
     let plugged = plug(machine, &drive);

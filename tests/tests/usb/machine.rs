@@ -223,21 +223,25 @@ pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) 
 /// Time for the first chunks of a run, in seconds of the guest.
 const CHUNKS_LIMIT_S: u32 = 60;
 
-/// Waits until the samples of a run grow.
-pub(crate) fn await_run(machine: &mut Machine) {
+/// Waits until the samples of a run grow. A run that has none is ended, and what it said is shown.
+pub(crate) fn await_run(machine: &mut Machine, command: u32) {
     let samples = format!("{OUT}/run.mcap");
-    machine.await_file(&samples);
     let began_s = machine.seconds();
-    let length = |machine: &mut Machine| machine.read_if_present(&samples).map_or(0, |text| text.len());
-    let first = length(machine);
+    let length = |machine: &mut Machine| machine.read_if_present(&samples).map(|text| text.len());
+    let mut first = None;
     while machine.seconds() - began_s < CHUNKS_LIMIT_S {
-        if length(machine) > first {
+        let length = length(machine);
+        if first.is_some() && length > first {
             return;
         }
+        first = first.or(length);
         // Each look is work for the guest.
         thread::sleep(Duration::from_millis(100));
     }
-    panic!("no steps in run.mcap within {CHUNKS_LIMIT_S} s of the guest's clock");
+    let Ended { code, stdout, stderr } = machine.wait(command);
+    panic!(
+        "no steps in run.mcap within {CHUNKS_LIMIT_S} s of the guest's clock: {code:?}\n{stdout}\n{stderr}"
+    );
 }
 
 /// Waits for the end of a run.

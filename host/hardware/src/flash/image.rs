@@ -25,16 +25,10 @@ const BUILD_IS_DIRTY: &str = "_lashloop_build_is_dirty";
 const NO_DRIVE: &str = "_lashloop_no_drive";
 /// Start of the symbol that ends with the board's name.
 const BOARD: &str = "_lashloop_board_";
-
-/// The chip of a board, as probe-rs names it.
-#[must_use]
-pub fn chip_of(board: &str) -> &'static str {
-    match board {
-        "nucleo-f429zi" => "STM32F429ZITx",
-        "nucleo-f446re" => "STM32F446RETx",
-        _ => "STM32F405RGTx",
-    }
-}
+/// Start of the symbol that ends with the chip's name.
+const CHIP: &str = "_lashloop_chip_";
+/// The chip of an ELF that names none.
+const DEFAULT_CHIP: &str = "STM32F405RGTx";
 
 /// Why an ELF can't be flashed.
 #[derive(Debug, thiserror::Error)]
@@ -84,6 +78,8 @@ pub struct Image {
     pub build: Option<Build>,
     /// The board that it is for, as its drive reports it; `None` if the ELF doesn't have it.
     pub board: Option<String>,
+    /// The chip of that board, as probe-rs names it.
+    pub chip: String,
 }
 
 impl Image {
@@ -118,8 +114,9 @@ impl Image {
         }
         let bytes = flatten(segments)?;
         check_vectors(&bytes)?;
-        let (build, board) = (build(&file), board(&file));
-        Ok(Self { path: path.to_owned(), bytes, build, board })
+        let chip = end_of_symbol(&file, CHIP).unwrap_or_else(|| DEFAULT_CHIP.to_owned());
+        let board = end_of_symbol(&file, BOARD);
+        Ok(Self { path: path.to_owned(), bytes, build: build(&file), board, chip })
     }
 
     /// SHA-256 of the bytes in hexadecimal.
@@ -173,7 +170,8 @@ fn build(file: &ElfFile32<'_, LittleEndian>) -> Option<Build> {
     Some(Build { commit: Some(commit), is_dirty: value(BUILD_IS_DIRTY)? != 0 })
 }
 
-fn board(file: &ElfFile32<'_, LittleEndian>) -> Option<String> {
-    let mut names = file.symbols().filter_map(|symbol| symbol.name().ok()?.strip_prefix(BOARD));
+/// What follows these letters in the name of a symbol.
+fn end_of_symbol(file: &ElfFile32<'_, LittleEndian>, start: &str) -> Option<String> {
+    let mut names = file.symbols().filter_map(|symbol| symbol.name().ok()?.strip_prefix(start));
     names.next().map(str::to_owned)
 }

@@ -13,7 +13,7 @@ pub struct Target {
     pub probe: Option<String>,
     /// Whether a probe holds the chip in reset while it connects: no drive has confirmed that its power stage is off.
     pub under_reset: bool,
-    /// Terminal at USART1 or USART3, where the ROM loader listens.
+    /// Terminal at PA9 and PA10 or PB10 and PB11, where the ROM loader listens.
     pub loader_port: Option<PathBuf>,
 }
 

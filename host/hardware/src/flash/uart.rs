@@ -69,7 +69,7 @@ pub(super) fn write(
 
 fn port(target: &Target) -> Result<&Path, String> {
     target.loader_port.as_deref().ok_or_else(|| {
-        "no port of the boot loader is given: name the terminal at USART1 or USART3 by --loader-port"
+        "no port of the boot loader is given: name the terminal at PA9 and PA10 or PB10 and PB11 by --loader-port"
             .to_owned()
     })
 }

@@ -8,10 +8,22 @@
 //!
 //! Its USB connector is that of the ST-Link; the chip's own port stays off.
 
-pub(super) use super::f405_bare::{LINK, Lines, LinkPins, LinkPort, LoadEncoder, MotorEncoder, share, start};
+use stm32f4xx_hal::pac::Interrupt;
+
+#[allow(dead_code, reason = "name, chip and clock are others")]
+#[path = "f405_bare.rs"]
+mod bare;
+
+pub use bare::{Lines, LinkPins, LinkPort, LoadEncoder, MotorEncoder, share, start};
 
 /// Name of the board.
-pub(super) const NAME: &str = "nucleo-f446re";
+pub const NAME: &str = "nucleo-f446re";
+
+/// The chip, as probe-rs names it.
+pub const CHIP: &str = "STM32F446RETx";
 
 /// Whether OSC_IN has a clock, and not a crystal.
-pub(super) const HAS_CLOCK: bool = true;
+pub const HAS_CLOCK: bool = true;
+
+/// Interrupt of the link.
+pub const LINK: Interrupt = Interrupt::USART2;

@@ -1,54 +1,52 @@
-//! A NUCLEO-F429ZI: timer A of its Zio connectors.
+//! A NUCLEO-H743ZI: timer A of its Zio connectors, as on a NUCLEO-F429ZI.
 //!
 //! | pin | Zio | function | connected to |
 //! |---|---|---|---|
 //! | PC6, PC7 | D16, D21 | TIM3 channels 1 and 2 | motor encoder A, B |
 //! | PD12, PD13 | D29, D28 | TIM4 channels 1 and 2 | load encoder A, B |
-//! | PE9 | D6 | TIM1 channel 1 | as PA8 in `f405_bare` |
-//! | PE11 | D5 | TIM1 channel 2 | as PA9 there |
-//! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
+//! | PE9 | D6 | TIM1 channel 1 | pulse input; high side A |
+//! | PE11 | D5 | TIM1 channel 2 | direction or second pulse input; high side B |
+//! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | low sides A and B |
 //! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
 //! | PE7 | D41 | output | enable input of the power stage |
 //! | PD8, PD9 | | USART3 | the serial port of its ST-Link: link, see `link` |
 //! | PA11, PA12 | | USB | connector CN13 |
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
-//!
-//! Levels and resistors are those of `f405_bare`. The boot loader of the chip uses PE11 to PE14 too (SPI4, ST AN2606), so the enable
-//! line has another pin.
 
-use stm32f4xx_hal::gpio::{
+use stm32h7xx_hal::gpio::{
     Alternate, Output, PA11, PA12, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
 };
-use stm32f4xx_hal::pac::{GPIOE, Interrupt, SPI3, TIM1, TIM3, TIM4, USART2, USART3};
-use stm32f4xx_hal::rcc::Rcc;
+use stm32h7xx_hal::pac::{GPIOE, Interrupt, TIM3, TIM4};
 
-use super::amplifier::AmplifierLines;
-use super::encoder::Encoder;
-use super::ports::Ports;
-use super::pwm_stage::PwmStage;
+use crate::board::amplifier::AmplifierLines;
+use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32h7::encoder::Encoder;
+use crate::board::stm32h7::ports::{Ports, Timers};
+use crate::board::stm32h7::pwm::Tim1;
 
 /// Name of the board.
-pub(super) const NAME: &str = "nucleo-f429zi";
+pub const NAME: &str = "nucleo-h743zi";
+
+/// The chip, as probe-rs names it.
+pub const CHIP: &str = "STM32H743ZITx";
 
 /// Whether OSC_IN has a clock, and not a crystal.
-pub(super) const HAS_CLOCK: bool = true;
+pub const HAS_CLOCK: bool = true;
 
-pub(super) type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
-pub(super) type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
+pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
 
-/// The port of the link.
-pub(super) type LinkPort = USART3;
-pub(super) const LINK: Interrupt = Interrupt::USART3;
-pub(super) type LinkPins = (PD8, PD9);
+/// Interrupt of the link.
+pub const LINK: Interrupt = Interrupt::USART3;
+pub type LinkPins = (PD8<Alternate<7>>, PD9<Alternate<7>>);
 /// The pins of bench mode.
-pub(super) type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);
+pub type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);
 
-/// Port and pins of the link, pins of the USB port, and of bench mode.
-pub(super) fn share(
-    Ports { a, c, d, e, .. }: Ports,
-    (_, port): (USART2, USART3),
-) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((port, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), e))
+/// Pins of the link, of the USB port, and of bench mode.
+pub fn share(Ports { a, c, d, e }: Ports) -> (LinkPins, (PA11, PA12), BenchPins) {
+    // The pull-up holds an open input idle: without it noise is received as bytes.
+    let link = (d.pd8.into_alternate(), d.pd9.into_alternate().internal_resistor(Pull::Up));
+    (link, (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), e))
 }
 
 /// The lines of the power stage.
@@ -71,17 +69,16 @@ impl AmplifierLines for Lines {
     fn lower_enable() {
         // SAFETY: a store that only turns off; the owner never runs again, or turns on again as it would have.
         #[allow(unsafe_code)]
-        let port = unsafe { GPIOE::steal() };
-        port.bsrr().write(|w| w.br7().set_bit());
+        let port = unsafe { &*GPIOE::ptr() };
+        port.bsrr.write(|w| w.br7().set_bit());
     }
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
-pub(super) fn start(
+pub fn start(
     ((motor_a, motor_b), (load_a, load_b), e): BenchPins,
-    (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
-    rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
+    Timers { tim1, tim3, tim4 }: Timers,
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
     let motor_pins = (
         motor_a.into_alternate().internal_resistor(Pull::Up),
         motor_b.into_alternate().internal_resistor(Pull::Up),
@@ -94,11 +91,11 @@ pub(super) fn start(
         not_ready: e.pe15.into_alternate().internal_resistor(Pull::Up),
         enable: e.pe7.into_push_pull_output(),
     };
-    let stage = PwmStage::new(pwm, lines, rcc);
+    let stage = PwmStage::new(Tim1::start::<Lines>(tim1), lines);
     // After the timer has its outputs off.
     e.pe9.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+    (Encoder::new(tim3, motor_pins), Encoder::new(tim4, load_pins), stage)
 }

@@ -21,38 +21,37 @@
 use stm32f4xx_hal::gpio::{
     Alternate, Output, PA2, PA3, PA8, PA9, PA11, PA12, PB0, PB6, PB7, PB12, PC6, PC7, Pull, gpiob, gpioc,
 };
-use stm32f4xx_hal::pac::{GPIOB, Interrupt, SPI3, TIM1, TIM3, TIM4, USART2, USART3};
+use stm32f4xx_hal::pac::{GPIOB, Interrupt, SPI3, TIM1, TIM3, TIM4, USART2};
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::amplifier::AmplifierLines;
-use super::encoder::Encoder;
-use super::ports::Ports;
-use super::pwm_stage::PwmStage;
+use crate::board::amplifier::AmplifierLines;
+use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32f4::encoder::Encoder;
+use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::pwm::Tim1;
+
+/// The chip, as probe-rs names it.
+pub const CHIP: &str = "STM32F405RGTx";
 
 /// Whether OSC_IN has a clock, and not a crystal.
-#[cfg_attr(feature = "board-nucleo-f446re", expect(dead_code, reason = "the board has a clock"))]
-pub(super) const HAS_CLOCK: bool = false;
+pub const HAS_CLOCK: bool = false;
 
 /// Name of the board.
-#[cfg_attr(feature = "board-nucleo-f446re", expect(dead_code, reason = "the board has a name of its own"))]
-pub(super) const NAME: &str = "stm32f405";
+pub const NAME: &str = "stm32f405";
 
-pub(super) type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
-pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
+pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
 
 /// The port of the link.
-pub(super) type LinkPort = USART2;
-pub(super) const LINK: Interrupt = Interrupt::USART2;
-pub(super) type LinkPins = (PA2, PA3);
+pub type LinkPort = USART2;
+pub const LINK: Interrupt = Interrupt::USART2;
+pub type LinkPins = (PA2, PA3);
 /// The pins of bench mode.
-pub(super) type BenchPins = (PA8, PA9, gpiob::Parts, gpioc::Parts);
+pub type BenchPins = (PA8, PA9, gpiob::Parts, gpioc::Parts);
 
 /// Port and pins of the link, pins of the USB port, and of bench mode.
-pub(super) fn share(
-    Ports { a, b, c, .. }: Ports,
-    (port, _): (USART2, USART3),
-) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((port, (a.pa2, a.pa3)), (a.pa11, a.pa12), (a.pa8, a.pa9, b, c))
+pub fn share(Ports { a, b, c, usart2, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
+    ((usart2, (a.pa2, a.pa3)), (a.pa11, a.pa12), (a.pa8, a.pa9, b, c))
 }
 
 /// The lines of the amplifier.
@@ -81,11 +80,11 @@ impl AmplifierLines for Lines {
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
-pub(super) fn start(
+pub fn start(
     (first, second, b, c): BenchPins,
     (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
     let motor_pins = (
         c.pc6.into_alternate().internal_resistor(Pull::Up),
         c.pc7.into_alternate().internal_resistor(Pull::Up),
@@ -98,7 +97,7 @@ pub(super) fn start(
         not_ready: b.pb12.into_alternate().internal_resistor(Pull::Up),
         enable: b.pb0.into_push_pull_output(),
     };
-    let stage = PwmStage::new(pwm, lines, rcc);
+    let stage = PwmStage::new(Tim1::start::<Lines>(pwm, rcc), lines);
     // After the timer has its outputs off.
     first.into_alternate::<1>().set_internal_resistor(Pull::Down);
     second.into_alternate::<1>().set_internal_resistor(Pull::Down);

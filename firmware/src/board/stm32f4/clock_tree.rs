@@ -1,52 +1,23 @@
 //! 168 MHz from the crystal, or from the internal oscillator without a crystal of a known frequency.
 
-use super::{crystal, fitted};
 use stm32f4xx_hal::pac::{RCC, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
-/// Core clock (hertz): the maximum of the STM32F405, and the rate of SysTick in QEMU.
-pub(crate) const CORE_HZ: u32 = 168_000_000;
+use super::fitted;
+use super::stopwatch::LsiStopwatch;
+use crate::board::chip::CORE_HZ;
+use crate::board::clock_source::{ClockSource, Unusable, crystal_hz};
 
 /// Polls of the crystal's ready flag before the internal oscillator is used. A poll takes at least 8 cycles at the
 /// initial 16 MHz, so the limit is 100 ms or slightly more; the data sheet gives 2 ms for a crystal.
 const CRYSTAL_POLLS: u32 = 200_000;
 
-/// Source of the core clock.
-#[derive(Clone, Copy)]
-pub(crate) enum Source {
-    /// QEMU: always 168 MHz, without a clock tree to configure.
-    Emulator,
-    /// The crystal, about 50 ppm.
-    Crystal,
-    /// The internal RC oscillator, 1 % at room temperature: accurate enough for the link, not for timing.
-    InternalOscillator(Unusable),
-}
-
-/// Why the crystal isn't used.
-#[derive(Clone, Copy)]
-pub(crate) enum Unusable {
-    /// It doesn't start.
-    Silent,
-    /// Its frequency isn't known to the clock tree.
-    UnknownFrequency,
-}
-
-impl Unusable {
-    /// What the drive logs.
-    pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Silent => "no crystal: clock 1% RC, no bench mode",
-            Self::UnknownFrequency => "no known crystal: clock 1% RC, no bench mode",
-        }
-    }
-}
-
 /// Configures the clock tree.
-pub(crate) fn start(rcc: RCC, timer: &TIM5, emulated: bool) -> (Rcc, Source) {
+pub(super) fn start(rcc: RCC, timer: &TIM5, emulated: bool) -> (Rcc, ClockSource) {
     if emulated {
         // With any other configuration the HAL waits for ready flags that QEMU never sets.
-        return (rcc.freeze(Config::hsi()), Source::Emulator);
+        return (rcc.freeze(Config::hsi()), ClockSource::Emulator);
     }
     reset(&rcc);
     if fitted::HAS_CLOCK {
@@ -58,15 +29,15 @@ pub(crate) fn start(rcc: RCC, timer: &TIM5, emulated: bool) -> (Rcc, Source) {
     let crystal = if steady {
         // From here on a crystal that stops is a break of TIM1, and a non-maskable interrupt, which switches off too.
         rcc.cr().modify(|_, w| w.csson().on());
-        crystal::frequency_hz(&rcc, timer).ok_or(Unusable::UnknownFrequency)
+        LsiStopwatch::start(&rcc, timer).and_then(crystal_hz).ok_or(Unusable::UnknownFrequency)
     } else {
         Err(Unusable::Silent)
     };
     let (config, source) = match crystal {
-        Ok(hz) => (Config::hse(hz.Hz()), Source::Crystal),
+        Ok(hz) => (Config::hse(hz.Hz()), ClockSource::Crystal),
         Err(why) => {
             rcc.cr().modify(|_, w| w.csson().off().hseon().off());
-            (Config::hsi(), Source::InternalOscillator(why))
+            (Config::hsi(), ClockSource::InternalOscillator(why))
         }
     };
     (rcc.freeze(config.sysclk(CORE_HZ.Hz()).require_pll48clk()), source)

@@ -22,38 +22,40 @@ use stm32f4xx_hal::gpio::{
     Alternate, Input, PA2, PA3, PA7, PA8, PA9, PA10, PA11, PA12, PB4, PB5, PB6, PB7, PB13, PB14, PD2,
     PinState, Pull, gpiob, gpioc, gpiod,
 };
-use stm32f4xx_hal::pac::{Interrupt, SPI3, TIM1, TIM3, TIM4, USART2, USART3};
+use stm32f4xx_hal::pac::{Interrupt, SPI3, TIM1, TIM3, TIM4, USART2};
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::encoder::Encoder;
-use super::gate_driver::GateDriver;
-use super::ports::Ports;
-use super::pwm_stage::{PwmStage, StageLines, clear_main_output};
+use crate::board::chip::PwmTimer as _;
+use crate::board::pwm_stage::{PwmStage, StageLines};
+use crate::board::stm32f4::encoder::Encoder;
+use crate::board::stm32f4::gate_driver::GateDriver;
+use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::pwm::Tim1;
 use crate::power_stage::{PowerStageFault, StageMode};
 
+/// The chip, as probe-rs names it.
+pub const CHIP: &str = "STM32F405RGTx";
+
 /// Whether OSC_IN has a clock, and not a crystal.
-pub(super) const HAS_CLOCK: bool = false;
+pub const HAS_CLOCK: bool = false;
 
 /// Name of the board.
-pub(super) const NAME: &str = "odrive-v3";
+pub const NAME: &str = "odrive-v3";
 
 /// The port of the link.
-pub(super) type LinkPort = USART2;
-pub(super) const LINK: Interrupt = Interrupt::USART2;
-pub(super) type LinkPins = (PA2, PA3);
+pub type LinkPort = USART2;
+pub const LINK: Interrupt = Interrupt::USART2;
+pub type LinkPins = (PA2, PA3);
 /// The pins of bench mode.
-pub(super) type BenchPins = ((PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
+pub type BenchPins = ((PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
 
 /// Port and pins of the link, pins of the USB port, and of bench mode.
-pub(super) fn share(
-    Ports { a, b, c, d, .. }: Ports,
-    (port, _): (USART2, USART3),
-) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((port, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
+pub fn share(Ports { a, b, c, d, usart2, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
+    ((usart2, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
 }
 
-pub(super) type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
-pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
+pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
 
 /// The lines of the gate drivers.
 pub struct Lines {
@@ -76,16 +78,16 @@ impl StageLines for Lines {
 
     #[inline(never)]
     fn switch_off() {
-        clear_main_output();
+        Tim1::disable_outputs();
     }
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
-pub(super) fn start(
+pub fn start(
     ((pa7, pa8, pa9, pa10), b, c, d): BenchPins,
     (pwm, motor, load, spi): (TIM1, TIM3, TIM4, SPI3),
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
     // The gates of phase C and of M1 stay off.
     pa10.into_pull_down_input();
     b.pb15.into_pull_down_input();
@@ -111,7 +113,8 @@ pub(super) fn start(
     c.pc14.into_push_pull_output_in_state(PinState::High);
     // The timer's outputs are open until then, and the gate drivers disabled by their pull-downs.
     let mut gate_enable = b.pb12.into_push_pull_output();
-    let stage = PwmStage::new(pwm, Lines { not_fault: d.pd2.into_pull_up_input(), driver }, rcc);
+    let lines = Lines { not_fault: d.pd2.into_pull_up_input(), driver };
+    let stage = PwmStage::new(Tim1::start::<Lines>(pwm, rcc), lines);
     // After the timer has its outputs off.
     let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
     let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());

@@ -1,0 +1,105 @@
+//! A NUCLEO-F429ZI: timer A of its Zio connectors.
+//!
+//! | pin | Zio | function | connected to |
+//! |---|---|---|---|
+//! | PC6, PC7 | D16, D21 | TIM3 channels 1 and 2 | motor encoder A, B |
+//! | PD12, PD13 | D29, D28 | TIM4 channels 1 and 2 | load encoder A, B |
+//! | PE9 | D6 | TIM1 channel 1 | as PA8 in `f405_bare` |
+//! | PE11 | D5 | TIM1 channel 2 | as PA9 there |
+//! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
+//! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
+//! | PE7 | D41 | output | enable input of the power stage |
+//! | PD8, PD9 | | USART3 | the serial port of its ST-Link: link, see `link` |
+//! | PA11, PA12 | | USB | connector CN13 |
+//! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
+//!
+//! Levels and resistors are those of `f405_bare`. The boot loader of the chip uses PE11 to PE14 too (SPI4, ST AN2606), so the enable
+//! line has another pin.
+
+use stm32f4xx_hal::gpio::{
+    Alternate, Output, PA11, PA12, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
+};
+use stm32f4xx_hal::pac::{GPIOE, Interrupt, SPI3, TIM1, TIM3, TIM4, USART3};
+use stm32f4xx_hal::rcc::Rcc;
+
+use crate::board::amplifier::AmplifierLines;
+use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32f4::encoder::Encoder;
+use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::pwm::Tim1;
+
+/// Name of the board.
+pub const NAME: &str = "nucleo-f429zi";
+
+/// The chip, as probe-rs names it.
+pub const CHIP: &str = "STM32F429ZITx";
+
+/// Whether OSC_IN has a clock, and not a crystal.
+pub const HAS_CLOCK: bool = true;
+
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
+pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
+
+/// The port of the link.
+pub type LinkPort = USART3;
+pub const LINK: Interrupt = Interrupt::USART3;
+pub type LinkPins = (PD8, PD9);
+/// The pins of bench mode.
+pub type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);
+
+/// Port and pins of the link, pins of the USB port, and of bench mode.
+pub fn share(Ports { a, c, d, e, usart3, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
+    ((usart3, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), e))
+}
+
+/// The lines of the power stage.
+pub struct Lines {
+    /// Break input, high while the power stage isn't ready.
+    not_ready: PE15<Alternate<1>>,
+    /// High while the power stage may drive.
+    enable: PE7<Output>,
+}
+
+impl AmplifierLines for Lines {
+    fn is_broken(&self) -> bool {
+        self.not_ready.is_high()
+    }
+
+    fn raise_enable(&mut self) {
+        self.enable.set_high();
+    }
+
+    fn lower_enable() {
+        // SAFETY: a store that only turns off; the owner never runs again, or turns on again as it would have.
+        #[allow(unsafe_code)]
+        let port = unsafe { GPIOE::steal() };
+        port.bsrr().write(|w| w.br7().set_bit());
+    }
+}
+
+/// Configures the pins, starts the counters, and the power stage with its output off.
+pub fn start(
+    ((motor_a, motor_b), (load_a, load_b), e): BenchPins,
+    (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
+    rcc: &mut Rcc,
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
+    let motor_pins = (
+        motor_a.into_alternate().internal_resistor(Pull::Up),
+        motor_b.into_alternate().internal_resistor(Pull::Up),
+    );
+    let load_pins = (
+        load_a.into_alternate().internal_resistor(Pull::Up),
+        load_b.into_alternate().internal_resistor(Pull::Up),
+    );
+    let lines = Lines {
+        not_ready: e.pe15.into_alternate().internal_resistor(Pull::Up),
+        enable: e.pe7.into_push_pull_output(),
+    };
+    let stage = PwmStage::new(Tim1::start::<Lines>(pwm, rcc), lines);
+    // After the timer has its outputs off.
+    e.pe9.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+}
