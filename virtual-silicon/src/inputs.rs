@@ -6,7 +6,8 @@
 use rigless::device::Level;
 use rigless::time::VirtualNanos;
 
-use crate::chip::{Chip, channel_of};
+use crate::chip::Chip;
+use crate::part::channel_of;
 use crate::wiring::{Mode, Pin, Pull, TimerInput, Wiring};
 
 /// Registers of a port, by their offsets. AFRH follows AFRL.

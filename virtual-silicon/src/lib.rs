@@ -6,6 +6,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`chip`] | [`Chip`](chip::Chip): the part with crystal and supply, as the emulator runs it |
+//! | `part` | `Part`: a chip as the models of its family |
 //! | `stm32f4`, `stm32h7` | the part of a family, and what its models lack |
 //! | [`machine`] | [`run`](machine::run): an image from reset until its surroundings end it |
 //! | [`surroundings`] | [`Surroundings`](surroundings::Surroundings): what is connected to the chip |
@@ -38,6 +39,7 @@ mod lockstep;
 pub mod lsi_capture;
 pub mod machine;
 pub mod pacer;
+mod part;
 pub mod pins;
 pub mod quadrature;
 pub mod serial_line;

@@ -12,9 +12,10 @@ use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
-use crate::chip::{Chip, Driven};
+use crate::chip::Chip;
 use crate::gate_driver::GateDriver;
 use crate::inputs::{self, Inputs, is_configured, is_connected};
+use crate::part::Driven;
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};

@@ -11,8 +11,8 @@ use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::soc::stm32f427::{PORTS, Stm32f427};
 use rigless::time::VirtualNanos;
 
-use crate::chip::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, port_pin};
 use crate::gate_driver::GateDriver;
+use crate::part::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, port_pin};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Pin, Timer, TimerOutput};
 

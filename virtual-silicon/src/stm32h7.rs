@@ -25,8 +25,8 @@ use rigless::soc::stm32h743::peripherals::tim::{ADVANCED_TIMERS, TIMER_16, TIMER
 use rigless::soc::{Bus, Layout};
 use rigless::time::{EventId, VirtualNanos};
 
-use crate::chip::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, port_pin};
 use crate::gate_driver::GateDriver;
+use crate::part::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, port_pin};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Pin, Timer, TimerOutput};
 

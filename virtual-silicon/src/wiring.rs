@@ -4,8 +4,17 @@ use std::fmt;
 
 use serde::Deserialize;
 
-use crate::chip::Family;
 use crate::quadrature::Channel;
+
+/// A family of chips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// STM32F405, F429 and F446, with the models of an STM32F427.
+    Stm32f4,
+    /// STM32H743.
+    Stm32h7,
+}
 
 /// What a pin is configured as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -40,7 +40,7 @@ const SETTINGS: [(u32, u32); 41] = [
     (RCC + 0xe0, 0b11100),
     (RCC + 0xe8, 1 << 18 | 0b110),
     (RCC + 0xf0, 1 << 17 | 1),
-    // HSE, and HSI goes on.
+    // HSE, and HSI stays on.
     (RCC, 1 << 16 | 1),
     // MODER, PUPDR, AFRL and AFRH of the board's pins.
     (PORT_C, 0b10_10 << 12),
