@@ -38,7 +38,7 @@ pub fn through_in_a_copy(page: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("target")).expect("a folder");
     let copied = Command::new("sh")
-        .args(["-ec", "git ls-files -z | xargs -0 cp -p --parents -t \"$1\"; cp -a target/thumbv7em-none-eabihf \"$1/target\"", "sh"])
+        .args(["-ec", "git ls-files -z | xargs -0 cp -p --parents -t \"$1\"; cp -a target/image target/thumbv7em-none-eabihf \"$1/target\"", "sh"])
         .arg(folder.path())
         .current_dir(workspace())
         .status();

@@ -1,12 +1,13 @@
 //! The lines of a servo amplifier, or of a bridge without a gate driver to configure: ready and enable.
 
-use super::Fitted;
-use super::chip::{Chip, PwmTimer as _};
-use super::pwm_stage::StageLines;
+use super::parts::{PwmTimer, StageLines};
 use crate::power_stage::{PowerStageFault, StageMode};
 
 /// Both lines of a board.
 pub trait AmplifierLines: Send + 'static {
+    /// The timer of the power stage.
+    type Timer: PwmTimer;
+
     /// Whether the ready line, which is also the break input of the timer, is high: the power stage isn't ready.
     fn is_broken(&self) -> bool;
 
@@ -39,7 +40,7 @@ impl<L: AmplifierLines> StageLines for L {
 
     #[inline(never)]
     fn switch_off() {
-        <Fitted as Chip>::Pwm::disable_outputs();
+        L::Timer::disable_outputs();
         L::lower_enable();
     }
 }

@@ -6,10 +6,11 @@ use lashloop_protocol::enums::State;
 use rtic::Mutex;
 
 use super::Fitted;
-use super::chip::{Chip, PeriodTimer as _};
+use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
-use super::pwm_stage::{PwmStage, StageLines as _};
+use super::parts::{PeriodTimer as _, StageLines as _};
+use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::input_filter::FILTERS_NS;

@@ -16,8 +16,8 @@ use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 
-use super::chip::CORE_HZ;
 use super::last_resort;
+use super::parts::CORE_HZ;
 
 const CYCLES_PER_MILLISECOND: u32 = CORE_HZ / 1_000;
 

@@ -1,6 +1,6 @@
 //! A quadrature encoder: its counter between two readings of the levels at its pins.
 
-use super::chip::{CORE_HZ, EncoderInput};
+use super::parts::{CORE_HZ, EncoderInput};
 use crate::drive::EncoderReading;
 use crate::input_filter::{FILTERS_NS, filter_for};
 use crate::quadrature::{QuadratureCounter, Sampled};

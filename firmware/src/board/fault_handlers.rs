@@ -3,9 +3,9 @@
 
 use core::panic::{Location, PanicInfo};
 
-use super::chip::{Chip, Transmitter as _};
-use super::pwm_stage::StageLines as _;
-use super::{Fitted, device_clock, last_resort};
+use super::chip::Chip;
+use super::parts::{StageLines as _, Transmitter as _};
+use super::{Fitted, device_clock, last_resort, usb_port};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -49,7 +49,9 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail, device_clock::now()));
-    Fitted::disconnect_usb();
+    if usb_port::is_open() {
+        Fitted::disconnect_usb();
+    }
     // An interrupt that stays enabled and pending would end every sleep at once.
     NVIC::mask(Fitted::LINK);
     NVIC::mask(Fitted::SERVE);

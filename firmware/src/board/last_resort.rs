@@ -8,14 +8,6 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use super::Fitted;
 use super::chip::Chip as _;
 
-/// Longest time between two calls of [`feed`] at the nominal 32 kHz of the oscillator, which is 17 to 47 kHz: 3.4 to
-/// 9.4 ms. SysTick feeds every millisecond.
-pub(super) const TIMEOUT_MS: u32 = 5;
-
-/// Polls until a new reload value is in force: five cycles of the oscillator, 0.3 ms at 17 kHz. A poll takes at least 8 cycles
-/// of the core.
-pub(super) const ARRIVAL_POLLS: u32 = 20_000;
-
 static IS_RUNNING: AtomicBool = AtomicBool::new(false);
 
 /// The watchdog runs. Only a reset stops it.

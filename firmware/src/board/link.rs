@@ -8,14 +8,11 @@
 //! | QEMU | the task that serves the drive polls the data register: QEMU never raises the transmitter's interrupts. Bytes and ticks interrupt the polling |
 
 use super::Fitted;
-use super::chip::{Chip, Receiver as _, Transmitter as _};
+use super::chip::Chip;
+use super::parts::{LineError, Receiver as _, Transmitter as _};
 use crate::usb::{ByteLine, CHUNK_BYTES, Chunk};
 use cortex_m::peripheral::NVIC;
 use heapless::{Vec, spsc};
-
-/// Bits per second, the default of hosts. The divider gives 913,043 (42 MHz by 46), common USB adapters give 923,077
-/// (3 MHz by 3.25): the difference is 1.1 %, and the receiver tolerates 3.3 % (RM0090 30.3.5).
-pub(super) const BAUD: u32 = 921_600;
 
 /// Capacity of the receive queue: 11 ms of line time, far more than the handling of one frame takes.
 const RECEIVE_BYTES: usize = 1024;
@@ -37,9 +34,6 @@ pub struct Queues {
     received: spsc::Queue<u8, RECEIVE_BYTES>,
     to_transmit: spsc::Queue<u8, TRANSMIT_BYTES>,
 }
-
-/// A received byte was lost: overrun of the port or the queue, framing error or noise.
-pub struct LineError;
 
 /// Owned by the interrupt.
 pub struct UsartInterrupt {

@@ -10,7 +10,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 
 use super::Fitted;
 use super::chip::Chip;
-use super::pwm_stage::StageLines as _;
+use super::parts::StageLines as _;
 
 /// A word that RAM doesn't hold by chance after power-up.
 const REQUEST: u32 = 0x5245_4f4c;

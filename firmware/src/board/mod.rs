@@ -22,6 +22,7 @@ mod image;
 mod last_resort;
 mod link;
 pub mod loader;
+pub mod parts;
 mod pwm_stage;
 mod stack_guard;
 #[cfg(feature = "stm32f4")]
@@ -36,7 +37,8 @@ pub use rtic;
 
 pub use bench::{Stage, Tick};
 pub use device_clock::{DeviceClock, Ticker};
-pub use link::{LineError, UsartInterrupt};
+pub use link::UsartInterrupt;
+pub use parts::LineError;
 #[cfg(feature = "stm32f4")]
 pub use stm32f4::{Stm32f4 as Fitted, pac};
 #[cfg(feature = "stm32h7")]
@@ -115,6 +117,7 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match (source, bench) {
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
         (_, Some(Bench { motor, load, stage, tick, monitor })) => {
+            last_resort::note_start();
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
             let tick = Tick::start(tick, (motor, load), clock, drive.period());
             (drive, Some((Stage::new(stage), (tick, TickMonitor::new(monitor)))))

@@ -1,29 +1,7 @@
 //! The power stage: pulse-width modulation. A board has its lines to amplifier or bridge.
 
-use super::chip::{CORE_HZ, Outputs, PwmTimer};
+use super::parts::{CORE_HZ, Outputs, PwmTimer, StageLines};
 use crate::power_stage::{Modulation, PowerStage, PowerStageFault, StageMode};
-
-/// What a board has between timer and motor.
-pub trait StageLines: Send + 'static {
-    /// What channels 1 and 2 of the timer, and their complements, can be to the power stage; first what they are by default.
-    const MODES: &'static [StageMode];
-
-    /// Time in which both switches of a half-bridge are off, in cycles of the timer, up to 127.
-    const DEAD_TIME_CYCLES: u8;
-
-    /// Whether a break input switches the outputs off without software while it is high.
-    const HAS_BREAK: bool;
-
-    /// Lets the amplifier or the bridge drive.
-    fn enable(&mut self);
-
-    /// The fault that the lines show. To be called once per tick, with whether the outputs are off.
-    fn fault(&mut self, is_off: bool) -> Option<PowerStageFault>;
-
-    /// Switches the stage off, from any code: the main output of the timer, and the board's own lines. Not inlined: tests on virtual
-    /// silicon remove this function from the image, and then every cause has to fail.
-    fn switch_off();
-}
 
 /// The power stage of a board.
 pub struct PwmStage<T, S> {

@@ -5,8 +5,8 @@
 //! ends leaves the power stage on.
 
 use super::Fitted;
-use super::chip::{Chip, PeriodTimer as _};
-use super::pwm_stage::StageLines as _;
+use super::chip::Chip;
+use super::parts::{PeriodTimer as _, StageLines as _};
 
 /// Owned by the task of TIM2, and by that of the tick.
 pub struct TickMonitor(<Fitted as Chip>::Monitor);

@@ -6,8 +6,8 @@ use stm32f4xx_hal::rcc::{Config, Rcc};
 
 use super::fitted;
 use super::stopwatch::LsiStopwatch;
-use crate::board::chip::CORE_HZ;
 use crate::board::clock_source::{ClockSource, Unusable, crystal_hz};
+use crate::board::parts::CORE_HZ;
 
 /// Polls of the crystal's ready flag before the internal oscillator is used. A poll takes at least 8 cycles at the
 /// initial 16 MHz, so the limit is 100 ms or slightly more; the data sheet gives 2 ms for a crystal.

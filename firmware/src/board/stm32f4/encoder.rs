@@ -6,7 +6,7 @@ use stm32f4xx_hal::gpio::ReadPin;
 use stm32f4xx_hal::pac::tim3::RegisterBlock;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::chip::EncoderInput;
+use crate::board::parts::EncoderInput;
 use crate::input_filter::FILTERS_NS;
 
 /// The filters of [`FILTERS_NS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a

@@ -23,7 +23,7 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
-use super::usb_port::{self, UsbMemory};
+use super::usb_port::UsbMemory;
 use ports::Ports;
 
 /// A chip of the family on the selected board.
@@ -97,11 +97,9 @@ impl Chip for Stm32f4 {
     }
 
     fn disconnect_usb() {
-        if usb_port::is_open() {
-            // SAFETY: interrupts are off, and control never returns to the owner of the port.
-            #[allow(unsafe_code)]
-            let device = unsafe { OTG_FS_DEVICE::steal() };
-            device.dctl().modify(|_, w| w.sdis().set_bit());
-        }
+        // SAFETY: interrupts are off, and control never returns to the owner of the port.
+        #[allow(unsafe_code)]
+        let device = unsafe { OTG_FS_DEVICE::steal() };
+        device.dctl().modify(|_, w| w.sdis().set_bit());
     }
 }

@@ -61,6 +61,8 @@ pub struct Lines {
 }
 
 impl AmplifierLines for Lines {
+    type Timer = Tim1;
+
     fn is_broken(&self) -> bool {
         self.not_ready.is_high()
     }

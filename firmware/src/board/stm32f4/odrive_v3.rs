@@ -25,8 +25,8 @@ use stm32f4xx_hal::gpio::{
 use stm32f4xx_hal::pac::{Interrupt, SPI3, TIM1, TIM3, TIM4, USART2};
 use stm32f4xx_hal::rcc::Rcc;
 
-use crate::board::chip::PwmTimer as _;
-use crate::board::pwm_stage::{PwmStage, StageLines};
+use crate::board::parts::{PwmTimer as _, StageLines};
+use crate::board::pwm_stage::PwmStage;
 use crate::board::stm32f4::encoder::Encoder;
 use crate::board::stm32f4::gate_driver::GateDriver;
 use crate::board::stm32f4::ports::Ports;

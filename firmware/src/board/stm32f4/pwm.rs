@@ -3,8 +3,7 @@
 use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::chip::{Outputs, PwmTimer};
-use crate::board::pwm_stage::StageLines;
+use crate::board::parts::{Outputs, PwmTimer, StageLines};
 
 /// The timer, with its main output off until it is turned on.
 pub struct Tim1(TIM1);

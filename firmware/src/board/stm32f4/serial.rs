@@ -7,8 +7,7 @@ use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx, TxISR, TxListen};
 use stm32f4xx_hal::{hal_02, nb};
 
 use super::fitted::{LinkPins, LinkPort};
-use crate::board::chip::{Receiver, Transmitter};
-use crate::board::link::{BAUD, LineError};
+use crate::board::parts::{BAUD, LineError, Receiver, Transmitter};
 
 /// Opens the port and enables the receive interrupt.
 pub(super) fn open(

@@ -3,7 +3,7 @@
 use stm32f4xx_hal::pac::{TIM2, TIM5};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::chip::PeriodTimer;
+use crate::board::parts::PeriodTimer;
 
 /// Both timers have these registers, of two types.
 macro_rules! period_timer {

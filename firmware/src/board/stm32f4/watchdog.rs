@@ -1,10 +1,10 @@
-//! The independent watchdog, see [`last_resort`].
+//! The independent watchdog, see `last_resort`.
 
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use crate::board::last_resort::{self, ARRIVAL_POLLS, TIMEOUT_MS};
+use crate::board::parts::{WATCHDOG_MS, WATCHDOG_POLLS};
 
 /// Starts the watchdog.
 pub(super) fn start(watchdog: IWDG, debug: &DBGMCU) {
@@ -12,12 +12,11 @@ pub(super) fn start(watchdog: IWDG, debug: &DBGMCU) {
     // A debugger may have set the first bit, and a reset leaves it.
     watchdog.stop_on_debug(debug, false);
     debug.apb2_fz().modify(|_, w| w.dbg_tim1_stop().set_bit());
-    watchdog.start(TIMEOUT_MS.millis());
+    watchdog.start(WATCHDOG_MS.millis());
     // The reload value arrives some cycles of the oscillator after its start; until then the first timeout is 0xfff cycles, 2.8 to
     // 7.7 s.
-    let _ = (0..ARRIVAL_POLLS).any(|_| !is_updating());
+    let _ = (0..WATCHDOG_POLLS).any(|_| !is_updating());
     watchdog.feed();
-    last_resort::note_start();
 }
 
 /// Whether prescaler or reload value is on its way to the oscillator's side.

@@ -8,8 +8,8 @@ use stm32h7xx_hal::rcc::{Ccdr, PllConfigStrategy};
 
 use super::fitted;
 use super::stopwatch::LsiStopwatch;
-use crate::board::chip::CORE_HZ;
 use crate::board::clock_source::{ClockSource, Unusable, crystal_hz};
+use crate::board::parts::CORE_HZ;
 
 /// Polls of the crystal's ready flag before the internal oscillator is used. A poll takes at least 8 cycles at the
 /// initial 64 MHz, so the limit is 100 ms or slightly more.

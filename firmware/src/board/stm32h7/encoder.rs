@@ -7,7 +7,7 @@ use stm32h7xx_hal::hal::digital::v2::InputPin;
 use stm32h7xx_hal::pac::tim3::RegisterBlock;
 use stm32h7xx_hal::rcc::ResetEnable;
 
-use crate::board::chip::EncoderInput;
+use crate::board::parts::EncoderInput;
 use crate::input_filter::FILTERS_NS;
 
 /// The filters of [`FILTERS_NS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a

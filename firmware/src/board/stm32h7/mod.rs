@@ -24,7 +24,7 @@ use stm32h7xx_hal::serial::{Rx, Tx};
 
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
-use super::usb_port::{self, UsbMemory};
+use super::usb_port::UsbMemory;
 use ports::{Ports, Timers};
 
 /// A chip of the family on the selected board.
@@ -98,11 +98,9 @@ impl Chip for Stm32h7 {
     }
 
     fn disconnect_usb() {
-        if usb_port::is_open() {
-            // SAFETY: interrupts are off, and control never returns to the owner of the port.
-            #[allow(unsafe_code)]
-            let device = unsafe { &*OTG2_HS_DEVICE::ptr() };
-            device.dctl.modify(|_, w| w.sdis().set_bit());
-        }
+        // SAFETY: interrupts are off, and control never returns to the owner of the port.
+        #[allow(unsafe_code)]
+        let device = unsafe { &*OTG2_HS_DEVICE::ptr() };
+        device.dctl.modify(|_, w| w.sdis().set_bit());
     }
 }

@@ -3,8 +3,7 @@
 use stm32h7xx_hal::pac::TIM1;
 use stm32h7xx_hal::rcc::{ResetEnable, rec};
 
-use crate::board::chip::{Outputs, PwmTimer};
-use crate::board::pwm_stage::StageLines;
+use crate::board::parts::{Outputs, PwmTimer, StageLines};
 
 /// The timer, with its main output off until it is turned on.
 pub struct Tim1(TIM1);

@@ -6,8 +6,7 @@ use stm32h7xx_hal::rcc::{CoreClocks, rec};
 use stm32h7xx_hal::serial::{Rx, Tx, config::Config};
 
 use super::fitted::LinkPins;
-use crate::board::chip::{CORE_HZ, Receiver, Transmitter};
-use crate::board::link::{BAUD, LineError};
+use crate::board::parts::{BAUD, CORE_HZ, LineError, Receiver, Transmitter};
 
 /// The divider of the peripheral's 42 MHz that is nearest to the rate. The HAL rounds down.
 const DIVIDER: u32 = (CORE_HZ / 4 + BAUD / 2) / BAUD;

@@ -5,7 +5,7 @@ use core::ops::Deref;
 use stm32h7xx_hal::pac::{TIM2, TIM5, tim2::RegisterBlock};
 use stm32h7xx_hal::rcc::ResetEnable;
 
-use crate::board::chip::{CORE_HZ, PeriodTimer};
+use crate::board::parts::{CORE_HZ, PeriodTimer};
 
 /// Cycles of the timers in a microsecond: 84 MHz.
 const CYCLES_PER_US: u16 = (CORE_HZ / 2 / 1_000_000) as u16;
