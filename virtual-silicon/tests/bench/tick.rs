@@ -235,3 +235,27 @@ fn ticks_of_1_and_4_khz_are_in_time_with_a_busy_line() {
     report::write("bench-tick-jitter", &lines);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// While a step runs, SysTick waits with its interrupt: the millisecond that has ended isn't counted yet, and has to be.
+#[test]
+fn a_step_takes_its_time_at_the_end_of_a_millisecond_too() {
+    let mut host = with_plant(&image());
+    host.period = Duration::from_micros(997);
+    assert_eq!(host.set("period_us", ParameterValue::U32(997)), Outcome::Accepted);
+    host.run();
+    // Three times through every phase of a millisecond.
+    for _ in 0..1_000 {
+        host.refer(0.2);
+        host.bench.advance(host.period);
+    }
+    assert_eq!(host.faults(), []);
+    let mut compute: Vec<_> =
+        host.samples().iter().map(|sample| u64::from(sample.compute_tenths_us)).collect();
+    assert!(compute.len() >= 990, "{} samples", compute.len());
+    compute.sort_unstable();
+    let [least, median, most] = [compute[0], compute[compute.len() / 2], compute[compute.len() - 1]];
+    assert!(
+        2 * least > median && most < 3 * median,
+        "a step takes {least} to {most} tenths of a us, median {median}"
+    );
+}

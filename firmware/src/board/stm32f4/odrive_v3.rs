@@ -73,7 +73,12 @@ impl StageLines for Lines {
     fn enable(&mut self) {}
 
     fn fault(&mut self, is_off: bool) -> Option<PowerStageFault> {
-        self.driver.fault(self.not_fault.is_low(), is_off)
+        let is_line_low = self.not_fault.is_low();
+        if is_line_low {
+            // The driver takes 30 us to tell the cause.
+            Self::switch_off();
+        }
+        self.driver.fault(is_line_low, is_off)
     }
 
     #[inline(never)]

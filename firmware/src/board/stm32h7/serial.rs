@@ -36,9 +36,10 @@ fn registers() -> &'static RegisterBlock {
 impl Receiver for Rx<USART3> {
     fn read(&mut self) -> Result<Option<u8>, LineError> {
         let status = registers().isr.read();
-        if status.fe().bit_is_set() || status.nf().bit_is_set() || status.ore().bit_is_set() {
-            // A byte with an error is in the FIFO like any other.
-            if status.rxne().bit_is_set() && !status.ore().bit_is_set() {
+        let is_wrong = status.fe().bit_is_set() || status.nf().bit_is_set();
+        if is_wrong || status.ore().bit_is_set() {
+            if is_wrong {
+                // A byte with an error is in the FIFO like any other.
                 let _ = registers().rdr.read();
             }
             registers().icr.write(|w| w.fecf().clear().ncf().clear().orecf().clear());
