@@ -2,6 +2,7 @@
 
 mod apt;
 mod arm_toolchain;
+mod census;
 mod checks;
 mod codec_size;
 mod command;
@@ -53,6 +54,12 @@ enum Chore {
     Dist(dist::Dist),
     /// Print the size of the Arm image and fail if it exceeds its limits
     Size,
+    /// Plant the bugs of tests/census/board.json in a copy of the tree, one after the other, and count those that a test kills
+    Census {
+        /// Only those whose file, place, test or sentence contains this, as `drive/`
+        #[arg(default_value = "")]
+        filter: String,
+    },
     /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
     /// layouts of the messages
     Header,
@@ -73,6 +80,7 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Silicon => silicon::build()?,
         Chore::Dist(dist) => dist.make()?,
+        Chore::Census { filter } => return census::run(&filter),
         Chore::Size => size::check()?,
         Chore::Header => {
             header::write()?;

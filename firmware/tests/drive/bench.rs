@@ -248,10 +248,12 @@ fn a_reference_is_refused_unless_running() {
 
 #[test]
 fn torque_is_clamped_and_flagged_as_in_hil_mode() {
-    let mut host = PinHost::running(&[("torque_limit_nm", ParameterValue::F32(0.5))]);
-    host.refer(1.0);
-    let sample = host.step();
-    assert_eq!((sample.torque_nm.abs(), sample.status.flags), (0.5, TorqueFlags::SATURATED));
+    for sign in [1.0, -1.0] {
+        let mut host = PinHost::running(&[("torque_limit_nm", ParameterValue::F32(0.5))]);
+        host.refer(sign);
+        let sample = host.step();
+        assert_eq!((sample.torque_nm, sample.status.flags), (sign * 0.5, TorqueFlags::SATURATED));
+    }
 }
 
 #[test]

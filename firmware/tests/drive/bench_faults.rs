@@ -19,6 +19,7 @@ fn a_host_without_references_trips_the_watchdog_within_a_period() {
     let mut answers = Vec::new();
     while host.drive.state() == State::Running {
         assert!(host.stage_nm().is_some());
+        assert!(host.due < Duration::from_millis(100), "no watchdog");
         answers = host.tick();
     }
     let off_after = host.due - PERIOD - last_reference;

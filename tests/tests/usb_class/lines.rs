@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use lashloop_firmware::usb::{ByteLine, CHUNK_BYTES, Chunk, HostSide, Lines};
 use lashloop_protocol::enums::State;
 use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{Arm, Hello, Reset, Start};
+use lashloop_protocol::message::{Arm, Hello, Reset, Start, Stop};
 use lashloop_protocol::{HostMessage, Message};
 use tests::usb::bus::{Bus, BusEvent};
 
@@ -122,6 +122,8 @@ fn usb_is_ignored_during_a_run_of_the_uart() {
     }
     assert_eq!(by_usb(&mut host, &HostMessage::from(Reset {}).frame()), None);
     assert_eq!((host.drive.state(), host.unread()), (State::Running, 0));
+    by_uart(&mut host, &HostMessage::from(Stop {}).frame());
+    assert_eq!(host.drive.state(), State::Idle, "the request is not followed after the run either");
 }
 
 #[test]

@@ -95,6 +95,19 @@ fn bytes_sent_just_ahead_of_closing_are_served() {
 }
 
 #[test]
+fn bytes_that_wait_for_a_drive_are_served_after_closing() {
+    let mut host = Host::new();
+    host.open_port();
+    while host.drive.receive(&hello(), &host.clock) == hello().len() {}
+    host.submit(&HostMessage::from(Reset {}).frame());
+    host.port.poll();
+    assert!(host.port.has_received(), "the drive has no space for an answer");
+    host.submit_dtr(false);
+    host.serve();
+    assert_eq!(host.drive.state(), State::Boot);
+}
+
+#[test]
 fn a_suspended_bus_discards_output_and_resumes_open() {
     let mut host = with_output(3 * COMMAND_RESULT);
     host.signal(BusEvent::Suspend);

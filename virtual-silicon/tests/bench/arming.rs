@@ -56,3 +56,16 @@ fn without_its_session_a_drive_does_not_arm() {
     assert_eq!(host.arm(), (Outcome::WrongSession, State::Boot));
     assert_off(&mut host);
 }
+
+#[test]
+fn a_break_that_ends_before_the_next_tick_is_reported() {
+    let mut host = Host::under_torque(&image(), Duration::from_millis(1));
+    for level in [true, false] {
+        host.bench.act(move |chip, _| chip.drive_break(Some(level)));
+        host.bench.advance(Duration::from_micros(5));
+    }
+    host.steps(3, 1.0);
+    let codes: Vec<_> = host.faults().iter().map(|fault| fault.code).collect();
+    assert_eq!(codes, [lashloop_protocol::enums::FaultCode::PowerStage]);
+    assert!(!host.bench.bridge().is_on());
+}

@@ -159,6 +159,17 @@ fn a_run_that_starts_before_the_last_tick_of_an_old_period_steps_a_new_period_af
     }
 }
 
+/// A step that reads the clock while SysTick pends: its millisecond has begun and isn't counted yet.
+#[test]
+fn a_step_that_meets_the_start_of_a_millisecond_is_in_time() {
+    let mut host = Host::idle(&image(), &[("period_us", ParameterValue::U32(1_003))]);
+    host.run();
+    // Each step is 3 us later in the millisecond than the one before.
+    host.steps(400, 0.1);
+    assert_eq!(host.faults(), []);
+    assert!(host.bench.bridge().is_on());
+}
+
 /// The distribution of times in nanoseconds.
 fn distribution(mut times: Vec<u64>) -> [u64; 4] {
     times.sort_unstable();
