@@ -52,21 +52,24 @@ impl Elf {
         let mut at = HEADER + PROGRAM_HEADER * self.segments.len();
         let mut programs = Vec::new();
         let mut contents = Vec::new();
+        let mut loaded = Vec::new();
         for (address, data) in &self.segments {
             let size = data.len() as u32;
             let words = [1, at as u32, *address, *address, size, size, 5, 4];
             programs.extend(words.iter().flat_map(|word: &u32| word.to_le_bytes()));
             contents.extend_from_slice(data);
+            loaded.push([0, 1, 6, *address, at as u32, size, 0, 0, 1, 0]);
             at += data.len();
         }
         let symbols_at = at as u32;
         let names_at = symbols_at + symbols.len() as u32;
         let sections_at = names_at + names.len() as u32;
-        let sections: [[u32; 10]; 3] = [
+        let mut sections: Vec<[u32; 10]> = vec![
             [0; 10],
             [0, 2, 0, 0, symbols_at, symbols.len() as u32, 2, 1, 4, 16],
             [0, 3, 0, 0, names_at, names.len() as u32, 0, 0, 1, 0],
         ];
+        sections.extend(loaded);
         let mut file = vec![0x7f, b'E', b'L', b'F', 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0];
         file.extend([2, self.machine].iter().flat_map(|half: &u16| half.to_le_bytes()));
         let words = [1, 0x0800_0009, HEADER as u32, sections_at, 0x0500_0000];

@@ -11,7 +11,8 @@
 //! | [`terminal`] | pseudo-terminals |
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
 //! | [`elf`] | small ELF files for the Cortex-M |
-//! | [`rom_loader`] | the boot loader of the chip on a pseudo-terminal |
+//! | [`rom_loader`] | the boot loader of the chip |
+//! | [`powered`] | a drive with the bytes of its line, without a program of its own |
 //! | [`scripted`] | runs in real time on a clock that moves only when waited for |
 //! | [`relay`] | a line that can drop, damage, duplicate and disconnect |
 //! | [`records`] | the files of a run: its summary and its samples |
@@ -38,6 +39,7 @@ pub mod loss;
 pub mod optional;
 pub mod own_core;
 pub mod paper;
+pub mod powered;
 pub mod processes;
 pub mod program;
 pub mod python;

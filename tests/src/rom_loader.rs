@@ -1,298 +1,224 @@
-//! The boot loader in the ROM of an STM32F405 on a pseudo-terminal (ST AN3155, AN2606), with the flash behind it.
+//! The boot loader in the ROM of an STM32F405 on a UART (ST AN3155, AN2606), with the flash behind it.
 //!
-//! It is made from the documents, not from a chip. `Go` starts a drive on the same terminal, as firmware in the flash would
-//! be started: the native twin, for any contents of the flash.
+//! It is made from the documents, not from a chip. It stores what it receives, and starts nothing.
 
 use std::fs::File;
-use std::io::{self, Read, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::io::{Read, Write};
+use std::mem;
 
-use lashloop_bench::device::twin::Twin;
-use lashloop_firmware::drive::{Clock, Drive};
+use lashloop_bench::supervisor::find_program;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use crate::terminal;
+use crate::program::Running;
 
 const ACK: u8 = 0x79;
 const NACK: u8 = 0x1f;
 const SYNCHRONISATION: u8 = 0x7f;
-/// Start and size of the flash.
-const FLASH: u32 = 0x0800_0000;
+/// Start of the flash.
+pub const FLASH: u32 = 0x0800_0000;
 const SIZE: usize = 1 << 20;
 /// Product number of the STM32F405.
 const PRODUCT: [u8; 2] = [0x04, 0x13];
 /// Version 3.1 and the commands of the loader: Get, Get Version, Get ID, Read Memory, Go, Write Memory, Extended Erase, Write
-/// Protect, Write Unprotect, Readout Protect, Readout Unprotect.
+/// Protect, Write Unprotect, Readout Protect, Readout Unprotect. The last four get no answer but NACK.
 const COMMANDS: [u8; 12] = [0x31, 0x00, 0x01, 0x02, 0x11, 0x21, 0x31, 0x44, 0x63, 0x73, 0x82, 0x92];
+
+/// The program that talks to the loader.
+pub const PROGRAM: &str = "stm32flash";
+
+/// Names the missing program and the command that installs it.
+#[must_use]
+pub fn missing() -> Option<String> {
+    find_program(PROGRAM).err().map(|error| format!("{error}: run `cargo xtask setup`"))
+}
 
 /// What is wrong with a chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Defect {
     /// Nothing.
     None,
-    /// Writing is not acknowledged: the flash is protected.
+    /// The flash is protected: a block is answered by NACK.
     Protected,
-    /// A bit of this byte of the flash stays 0.
+    /// A block is answered by a byte that is neither ACK nor NACK.
+    Garbled,
+    /// This byte of the flash keeps its lowest bit at 0.
     StuckBit(usize),
-    /// The loader stops answering at the first write.
+    /// The loader stops answering at the first block.
     Hangs,
-    /// The firmware doesn't answer.
-    Silent,
 }
 
-/// A chip in its boot loader. It serves until the process ends.
+/// A chip in its boot loader. Its flash starts as zeros, so that only an erased sector takes an image.
 pub struct RomLoader {
-    /// The terminal as `--device` takes it.
-    pub device: String,
-    flash: Arc<Mutex<Vec<u8>>>,
-    hangs: Arc<AtomicBool>,
+    /// The flash.
+    pub flash: Vec<u8>,
+    /// Where `Go` has left the loader for.
+    pub left_for: Option<u32>,
+    defect: Defect,
+    received: Vec<u8>,
+    awaits: Awaits,
+}
+
+/// The part of a request that comes next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Awaits {
+    Synchronisation,
+    Command,
+    /// The address of a command.
+    Address(u8),
+    /// How much to read from this offset in the flash.
+    Length(usize),
+    /// What to write to this offset in the flash.
+    Block(usize),
+    /// The numbers of the sectors to erase.
+    Sectors,
+    /// The loader hangs.
+    Nothing,
 }
 
 impl RomLoader {
-    /// Starts the loader of a chip with an erased flash.
-    ///
-    /// # Panics
-    /// The system has no pseudo-terminal left.
+    /// The loader of a chip that was just reset.
     #[must_use]
-    pub fn start(defect: Defect) -> Self {
-        Self::serving(defect, |_| Ok(()))
+    pub fn new(defect: Defect) -> Self {
+        let awaits = Awaits::Synchronisation;
+        Self { flash: vec![0; SIZE], left_for: None, defect, received: Vec::new(), awaits }
     }
 
-    /// Starts a drive on this chip that enters the loader at the first request for it.
-    ///
-    /// # Panics
-    /// The system has no pseudo-terminal left.
-    #[must_use]
-    pub fn behind_a_drive() -> Self {
-        Self::serving(Defect::None, drive_until_left)
-    }
-
-    fn serving(defect: Defect, firmware: fn(&mut File) -> io::Result<()>) -> Self {
-        let terminal = terminal::open();
-        let device = terminal::device(&terminal);
-        let flash = Arc::new(Mutex::new(vec![0xff; SIZE]));
-        let line = File::from(terminal.far_end.try_clone().expect("a handle"));
-        let hangs = Arc::new(AtomicBool::new(false));
-        let chip = Chip { line, flash: Arc::clone(&flash), hangs: Arc::clone(&hangs), defect };
-        thread::spawn(move || {
-            let has_left = chip.line.try_clone().and_then(|mut line| firmware(&mut line));
-            // Until `Go`; an error is the end of the test.
-            if has_left.is_ok() && chip.serve().is_ok() && defect != Defect::Silent {
-                let _ = Twin::from(terminal).serve();
-            } else {
-                thread::park();
-            }
-        });
-        Self { device, flash, hangs }
-    }
-
-    /// Whether a loader with [`Defect::Hangs`] has stopped answering.
+    /// Whether the loader has stopped answering.
     #[must_use]
     pub fn hangs(&self) -> bool {
-        self.hangs.load(Ordering::Relaxed)
+        self.awaits == Awaits::Nothing
     }
 
-    /// The first bytes of the flash.
-    ///
-    /// # Panics
-    /// The flash is smaller.
+    /// Takes bytes and returns the answers.
     #[must_use]
-    pub fn flash(&self, count: usize) -> Vec<u8> {
-        self.flash.lock().unwrap_or_else(PoisonError::into_inner)[..count].to_vec()
+    pub fn exchange(&mut self, bytes: &[u8]) -> Vec<u8> {
+        self.received.extend_from_slice(bytes);
+        let mut answers = Vec::new();
+        while self.left_for.is_none() && self.part_length() <= self.received.len() {
+            let part: Vec<_> = self.received.drain(..self.part_length()).collect();
+            let awaited = mem::replace(&mut self.awaits, Awaits::Command);
+            answers.extend(self.answer(awaited, &part).unwrap_or(vec![NACK]));
+        }
+        answers
     }
-}
 
-/// Serves a drive with a boot loader until it enters it.
-fn drive_until_left(line: &mut File) -> io::Result<()> {
-    struct SinceStart(Instant);
-    impl Clock for SinceStart {
-        fn now(&self) -> Duration {
-            self.0.elapsed()
+    /// Length of the part that comes next; too long while it is unknown.
+    fn part_length(&self) -> usize {
+        match (self.awaits, &self.received[..]) {
+            (Awaits::Synchronisation, _) | (Awaits::Command, [SYNCHRONISATION, ..]) => 1,
+            (Awaits::Command | Awaits::Length(_), _) => 2,
+            (Awaits::Address(_), _) => 5,
+            (Awaits::Block(_), [last, ..]) => 3 + usize::from(*last),
+            // A special number means the whole chip, and only a check follows.
+            (Awaits::Sectors, [0xff, 0xf0..=0xff, ..]) => 3,
+            (Awaits::Sectors, [high, low, ..]) => 5 + 2 * usize::from(u16::from_be_bytes([*high, *low])),
+            (Awaits::Block(_) | Awaits::Sectors | Awaits::Nothing, _) => usize::MAX,
         }
     }
-    let (mut drive, clock) = (Drive::new("native-twin").with_loader(), SinceStart(Instant::now()));
-    let mut bytes = [0; 256];
-    while !drive.enters_loader(clock.now()) {
-        let timeout = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
-        if poll(&mut [PollFd::new(&*line, PollFlags::IN)], Some(&timeout))? == 0 {
-            continue;
-        }
-        let count = line.read(&mut bytes)?;
-        let mut rest = &bytes[..count];
-        while !rest.is_empty() {
-            rest = &rest[drive.receive(rest, &clock)..];
-            line.write_all(drive.output())?;
-            drive.clear_output();
-        }
-    }
-    Ok(())
-}
 
-struct Chip {
-    line: File,
-    flash: Arc<Mutex<Vec<u8>>>,
-    hangs: Arc<AtomicBool>,
-    defect: Defect,
-}
-
-/// Why a request ends early.
-enum Refusal {
-    /// It is answered by NACK.
-    Nack,
-    Line(io::Error),
-}
-
-impl From<io::Error> for Refusal {
-    fn from(error: io::Error) -> Self {
-        Self::Line(error)
-    }
-}
-
-impl Chip {
-    /// Serves requests until `Go`.
-    fn serve(&self) -> io::Result<()> {
-        while self.take::<1>()? != [SYNCHRONISATION] {}
-        self.send(&[ACK])?;
-        loop {
-            match self.request() {
-                Ok(true) => return Ok(()),
-                Ok(false) => {}
-                Err(Refusal::Nack) => self.send(&[NACK])?,
-                Err(Refusal::Line(error)) => return Err(error),
+    /// The answer to a part; `None` for NACK.
+    fn answer(&mut self, awaited: Awaits, part: &[u8]) -> Option<Vec<u8>> {
+        match awaited {
+            Awaits::Synchronisation if part != [SYNCHRONISATION] => {
+                self.awaits = Awaits::Synchronisation;
+                Some(Vec::new())
             }
+            Awaits::Synchronisation => Some(vec![ACK]),
+            Awaits::Command => self.command(part),
+            Awaits::Address(command) => self.address(command, part),
+            Awaits::Length(offset) => {
+                let end = offset + usize::from(part[0]) + 1;
+                let bytes = self.flash.get(offset..end).filter(|_| part[1] == !part[0])?;
+                Some([&[ACK], bytes].concat())
+            }
+            Awaits::Block(offset) => self.write(offset, part),
+            Awaits::Sectors => self.erase(part),
+            Awaits::Nothing => None,
         }
     }
 
-    /// Serves one request; true for `Go`.
-    fn request(&self) -> Result<bool, Refusal> {
-        let [command] = self.take()?;
-        // Also a second synchronisation, which has no complement.
-        if command == SYNCHRONISATION {
-            return Err(Refusal::Nack);
+    fn command(&mut self, part: &[u8]) -> Option<Vec<u8>> {
+        let counted = |bytes: &[u8]| Some([&[ACK, bytes.len() as u8 - 1], bytes, &[ACK]].concat());
+        match *part {
+            [command, complement] if complement != !command => None,
+            [0x00, _] => counted(&COMMANDS),
+            [0x01, _] => Some(vec![ACK, COMMANDS[0], 0, 0, ACK]),
+            [0x02, _] => counted(&PRODUCT),
+            [command @ (0x11 | 0x21 | 0x31), _] => {
+                self.awaits = Awaits::Address(command);
+                Some(vec![ACK])
+            }
+            [0x44, _] => {
+                self.awaits = Awaits::Sectors;
+                Some(vec![ACK])
+            }
+            // Also a second synchronisation, which has no complement.
+            _ => None,
         }
-        let [complement] = self.take()?;
-        if complement != !command || !COMMANDS[1..].contains(&command) {
-            return Err(Refusal::Nack);
+    }
+
+    fn address(&mut self, command: u8, part: &[u8]) -> Option<Vec<u8>> {
+        let address = u32::from_be_bytes([part[0], part[1], part[2], part[3]]);
+        let offset = address.checked_sub(FLASH)? as usize;
+        if offset >= SIZE || xor(part) != 0 {
+            return None;
         }
-        self.send(&[ACK])?;
         match command {
-            0x00 => self.reply(&COMMANDS)?,
-            0x01 => self.send(&[COMMANDS[0], 0, 0, ACK])?,
-            0x02 => self.reply(&PRODUCT)?,
-            0x11 => self.read()?,
-            0x21 => {
-                let _start = self.address()?;
-                return Ok(true);
-            }
-            0x31 => self.write()?,
-            0x44 => self.erase()?,
-            // Protection is changed at once, and the chip restarts.
-            _ => self.send(&[ACK])?,
+            0x11 => self.awaits = Awaits::Length(offset),
+            0x31 => self.awaits = Awaits::Block(offset),
+            _ => self.left_for = Some(address),
         }
-        Ok(false)
+        Some(vec![ACK])
     }
 
-    fn read(&self) -> Result<(), Refusal> {
-        let offset = self.address()?;
-        let [last, check] = self.take()?;
-        let end = offset + usize::from(last) + 1;
-        if check != !last || end > SIZE {
-            return Err(Refusal::Nack);
-        }
-        let bytes = self.flash()[offset..end].to_vec();
-        self.send(&[&[ACK], &bytes[..]].concat())?;
-        Ok(())
-    }
-
-    fn write(&self) -> Result<(), Refusal> {
-        let offset = self.address()?;
-        let [last] = self.take()?;
-        let mut bytes = vec![0; usize::from(last) + 1];
-        (&self.line).read_exact(&mut bytes)?;
-        let [check] = self.take()?;
+    fn write(&mut self, offset: usize, part: &[u8]) -> Option<Vec<u8>> {
+        let [_, bytes @ .., _] = part else { return None };
+        let cells = self.flash.get_mut(offset..offset + bytes.len()).filter(|_| xor(part) == 0)?;
         match self.defect {
-            Defect::Protected => return Err(Refusal::Nack),
+            Defect::Protected => return None,
+            Defect::Garbled => return Some(vec![0]),
             Defect::Hangs => {
-                self.hangs.store(true, Ordering::Relaxed);
-                loop {
-                    thread::park();
-                }
+                self.awaits = Awaits::Nothing;
+                return Some(Vec::new());
             }
-            Defect::None | Defect::StuckBit(_) | Defect::Silent => {}
+            Defect::None | Defect::StuckBit(_) => {}
         }
-        if xor(&bytes) ^ last != check || offset + bytes.len() > SIZE {
-            return Err(Refusal::Nack);
-        }
-        let mut flash = self.flash();
-        for (cell, byte) in flash[offset..].iter_mut().zip(bytes) {
+        for (cell, byte) in cells.iter_mut().zip(bytes) {
             // Programming clears bits only.
             *cell &= byte;
         }
         if let Defect::StuckBit(at) = self.defect {
-            flash[at] &= 0xfe;
+            self.flash[at] &= 0xfe;
         }
-        drop(flash);
-        self.send(&[ACK])?;
-        Ok(())
+        Some(vec![ACK])
     }
 
-    fn erase(&self) -> Result<(), Refusal> {
-        let head: [u8; 2] = self.take()?;
-        let count = u16::from_be_bytes(head);
-        if count >= 0xfff0 {
-            self.take::<1>()?;
-            self.flash().fill(0xff);
-        } else {
-            let mut sectors = vec![0; 2 * (usize::from(count) + 1)];
-            (&self.line).read_exact(&mut sectors)?;
-            let [check] = self.take()?;
-            if xor(&head) ^ xor(&sectors) != check {
-                return Err(Refusal::Nack);
-            }
-            for number in sectors.chunks_exact(2) {
-                let (start, size) =
-                    sector(u16::from_be_bytes([number[0], number[1]])).ok_or(Refusal::Nack)?;
-                self.flash()[start..start + size].fill(0xff);
-            }
+    fn erase(&mut self, part: &[u8]) -> Option<Vec<u8>> {
+        let [_, _, numbers @ .., _] = part else { return None };
+        if numbers.is_empty() || xor(part) != 0 {
+            return None;
         }
-        self.send(&[ACK])?;
-        Ok(())
-    }
-
-    /// Receives an address with its check, acknowledges it and returns the offset in the flash.
-    fn address(&self) -> Result<usize, Refusal> {
-        let bytes: [u8; 5] = self.take()?;
-        let address = u32::from_be_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-        let offset = address.checked_sub(FLASH).map(|offset| offset as usize);
-        match offset.filter(|offset| *offset < SIZE && xor(&bytes) == 0) {
-            Some(offset) => {
-                self.send(&[ACK])?;
-                Ok(offset)
-            }
-            None => Err(Refusal::Nack),
+        for number in numbers.chunks_exact(2) {
+            let (start, size) = sector(u16::from_be_bytes([number[0], number[1]]))?;
+            self.flash[start..start + size].fill(0xff);
         }
+        Some(vec![ACK])
     }
+}
 
-    /// Sends a counted reply.
-    fn reply(&self, bytes: &[u8]) -> io::Result<()> {
-        self.send(&[&[bytes.len() as u8 - 1], bytes, &[ACK]].concat())
-    }
-
-    fn take<const N: usize>(&self) -> io::Result<[u8; N]> {
-        let mut bytes = [0; N];
-        (&self.line).read_exact(&mut bytes)?;
-        Ok(bytes)
-    }
-
-    fn send(&self, bytes: &[u8]) -> io::Result<()> {
-        (&self.line).write_all(bytes)
-    }
-
-    fn flash(&self) -> MutexGuard<'_, Vec<u8>> {
-        self.flash.lock().unwrap_or_else(PoisonError::into_inner)
+/// Exchanges bytes with a program until `answer` returns `None` or the program has ended. Calls `answer` every millisecond, also
+/// without bytes.
+///
+/// # Panics
+/// The line fails.
+pub fn serve(line: &mut File, program: &mut Running, mut answer: impl FnMut(&[u8]) -> Option<Vec<u8>>) {
+    let interval = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
+    let mut bytes = [0; 512];
+    while !program.has_ended() {
+        let arrived = poll(&mut [PollFd::new(&*line, PollFlags::IN)], Some(&interval)).expect("a line");
+        let count = if arrived > 0 { line.read(&mut bytes).expect("a line") } else { 0 };
+        let Some(answer) = answer(&bytes[..count]) else { return };
+        line.write_all(&answer).expect("a line");
     }
 }
 

@@ -151,7 +151,7 @@ fn ends_within(child: &Child, limit_s: u32) -> Result<bool> {
 fn start(line: &Line) -> Result<Running> {
     let (program, arguments) = line.words.split_first().context("an empty command")?;
     let mut command = Command::new(program);
-    command.args(arguments).current_dir(WORKSPACE).env("HOME", "/tmp");
+    command.args(arguments).current_dir(WORKSPACE).env("HOME", "/tmp").env("PATH", "/bin");
     if line.user == User::Member {
         let (user, group) = MEMBER;
         command.uid(user).gid(group);

@@ -15,8 +15,8 @@ use clap::Args;
 use lashloop_bench::verdict::Exit;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{
-    Pid, PidfdFlags, Resource, Rlimit, Signal, getpgid, getpgrp, getpid, kill_process, kill_process_group,
-    pidfd_open, set_parent_process_death_signal, setpgid, setrlimit,
+    Pid, PidfdFlags, Resource, Rlimit, Signal, getpgrp, getpid, kill_process, kill_process_group, pidfd_open,
+    set_parent_process_death_signal, setpgid, setrlimit,
 };
 use rustix::stdio::{dup2_stdin, dup2_stdout};
 use rustix::thread::{CpuSet, sched_setaffinity};
@@ -63,9 +63,9 @@ impl Arguments {
 
 /// Runs the program and ends as it ends. If the bench ends first, kills the process group, this process included.
 fn guard(bench: Option<Pid>, command: &mut Command) -> io::Result<Infallible> {
-    let bench_id = bench.ok_or(io::ErrorKind::InvalidInput)?;
+    let bench = bench.ok_or(io::ErrorKind::InvalidInput)?;
     // Without a process of this number the bench has ended already.
-    let bench = pidfd_open(bench_id, PidfdFlags::empty())?;
+    let bench = pidfd_open(bench, PidfdFlags::empty())?;
     let mut child = command.spawn()?;
     let child_fd = pidfd_open(Pid::from_child(&child), PidfdFlags::empty())?;
     // The ends of the line belong to the program alone: once it closes them, the bench sees the end of the line.
@@ -87,10 +87,12 @@ fn guard(bench: Option<Pid>, command: &mut Command) -> io::Result<Infallible> {
         }
         if has_ended(&child_fd)? {
             let status = child.wait()?;
-            // The rest of the group ends first. The bench may be ending too, so this can't be left to it; without its
-            // group to move to, this process ends with its own.
+            // The rest of the group ends first. The bench may be ending too, so this can't be left to it. This process moves to
+            // the group of a program that does nothing: that of the bench may lie outside a container, without a number here.
+            // If it can't move, it ends with its own group.
             let group = getpgrp();
-            let _ = getpgid(Some(bench_id)).and_then(|bench| setpgid(None, Some(bench)));
+            let refuge = Command::new("/proc/self/exe").arg("--version").process_group(0).spawn();
+            let _ = refuge.map(|refuge| setpgid(None, Some(Pid::from_child(&refuge))));
             kill_process_group(group, Signal::KILL).or_else(|error| match error {
                 rustix::io::Errno::SRCH => Ok(()),
                 other => Err(other),

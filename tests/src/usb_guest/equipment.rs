@@ -2,15 +2,15 @@
 //! workspace, and the shared libraries of this machine that these need.
 
 use std::collections::BTreeSet;
-use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use lashloop_bench::supervisor::find_program;
 
 use super::{cpio::Archive, modules};
-use crate::workspace;
+use crate::{rom_loader, workspace};
 
 /// The emulator of a PC.
 pub const EMULATOR: &str = "qemu-system-x86_64";
@@ -37,13 +37,13 @@ pub fn missing() -> Option<String> {
         return Some("the guest runs programs of this machine, which isn't x86-64 Linux".to_owned());
     }
     let mut missing = Vec::new();
-    let path = env::var_os("PATH").unwrap_or_default();
-    if !env::split_paths(&path).any(|folder| folder.join(EMULATOR).is_file()) {
+    if find_program(EMULATOR).is_err() {
         missing.push(format!("{EMULATOR} is not installed: run `cargo xtask setup`"));
     }
     if !folder().join("installed").is_file() {
         missing.push(format!("no kernel and udev in {}: run `cargo xtask setup`", folder().display()));
     }
+    missing.extend(rom_loader::missing());
     (!missing.is_empty()).then(|| missing.join("\n"))
 }
 
@@ -57,6 +57,7 @@ impl Equipment {
         let root = folder().join("root");
         let kernel = only_entry(&root.join("boot"))?;
         let udevadm = root.join("bin/udevadm");
+        let flasher = find_program(rom_loader::PROGRAM).map_err(anyhow::Error::msg)?;
         let mut archive = Archive::default();
         for mounted in [
             "/proc",
@@ -72,6 +73,7 @@ impl Equipment {
         }
         archive.file("/init", 0o755, &read(init)?);
         archive.file("/bin/udevadm", 0o755, &read(&udevadm)?);
+        archive.file(&format!("/bin/{}", rom_loader::PROGRAM), 0o755, &read(&flasher)?);
         for rule in RULES {
             let path = format!("/lib/udev/rules.d/{rule}");
             archive.file(&path, 0o644, &read(&root.join(path.trim_start_matches('/')))?);
@@ -83,7 +85,7 @@ impl Equipment {
             archive.file(&format!("/modules/{number:02}"), 0o644, &read(module)?);
         }
         let mut libraries = BTreeSet::new();
-        for program in programs.iter().copied().chain([init, udevadm.as_path()]) {
+        for program in programs.iter().copied().chain([init, udevadm.as_path(), flasher.as_path()]) {
             libraries.extend(libraries_of(program)?);
         }
         for library in libraries {

@@ -186,14 +186,13 @@ impl Guest {
         self.wait(command)
     }
 
-    /// Starts a device on the virtual host controller and returns the number of the command. Killing the command unplugs the
-    /// device.
+    /// Starts a command of the guest's own program and returns its number. Killing a `plug` unplugs its device.
     ///
     /// # Panics
     /// The guest does not answer, or can't start it.
-    pub fn plug(&mut self, kind: &str, port: u32, serial_number: &str) -> u32 {
-        let words = ["/init", "plug", kind, &port.to_string(), serial_number].map(str::to_owned);
-        self.start(words.to_vec(), User::Root)
+    pub fn start_own(&mut self, words: &[&str]) -> u32 {
+        let words = [&["/init"], words].concat();
+        self.start(words.into_iter().map(str::to_owned).collect(), User::Root)
     }
 
     fn start(&mut self, words: Vec<String>, user: User) -> u32 {
@@ -214,7 +213,7 @@ impl Guest {
         }
     }
 
-    /// Kills a command. The device of a [`Self::plug`] is unplugged.
+    /// Kills a command.
     ///
     /// # Panics
     /// The guest does not answer.
@@ -274,6 +273,14 @@ impl Guest {
     /// It stays.
     pub fn await_removal(&mut self, path: &str) {
         self.done(&Request::Await { path: path.to_owned(), exists: false });
+    }
+
+    /// Whether a file stops existing in the guest in time.
+    ///
+    /// # Panics
+    /// The guest does not answer.
+    pub fn vanishes(&mut self, path: &str) -> bool {
+        self.request(&Request::Await { path: path.to_owned(), exists: false }) == Answer::Done
     }
 
     fn done(&mut self, request: &Request) {

@@ -13,30 +13,26 @@ use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
 use tests::optional::{self, trial};
+use tests::rom_loader;
 
 type Check = fn();
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let stm32flash = uart::missing();
-    let with_stm32flash: [(&str, Check); 15] = [
-        ("uart::an_image_is_flashed_once_the_drive_reports_its_build", uart::flashed),
-        ("uart::the_only_way_that_is_there_is_found", uart::found),
+    let stm32flash = rom_loader::missing();
+    let with_stm32flash: [(&str, Check); 10] = [
+        ("uart::the_image_alone_is_written_and_not_confirmed_by_silence", uart::written),
         ("uart::a_loader_next_to_an_answering_drive_is_not_written", uart::another_chip),
         ("uart::a_running_drive_enters_its_boot_loader_by_request", uart::by_request),
         ("uart::a_drive_gets_no_request_for_a_loader_elsewhere", uart::no_request),
         ("uart::a_drive_gets_no_request_for_the_image_of_another_board", uart::no_request_for_other_board),
-        ("uart::a_drive_on_another_board_than_the_image_is_not_flashed", uart::other_board),
         ("uart::a_loader_that_no_way_reaches_is_reported_with_the_way_back", uart::unreached),
-        ("uart::another_build_of_the_drive_is_not_flashed", uart::other_build),
-        ("uart::an_image_without_build_or_board_is_not_written", uart::no_build),
-        ("uart::a_protected_flash_is_reported_with_the_recovery", uart::protected),
+        ("uart::a_refused_garbled_or_missing_answer_is_reported_with_the_recovery", uart::refused),
         ("uart::a_stuck_bit_is_found_by_the_comparison", uart::stuck_bit),
         ("uart::an_interruption_ends_stm32flash_and_names_the_recovery", uart::interrupted),
-        ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 24] = [
+    let alone: [(&str, Check); 26] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
@@ -48,6 +44,8 @@ fn main() -> ExitCode {
         ("stand_ins::the_rig_file_chooses_probe_and_chip", stand_ins::probe_of_rig),
         ("stand_ins::without_a_handshake_a_probe_connects_under_reset", stand_ins::under_reset),
         ("stand_ins::an_image_for_another_board_is_not_written", stand_ins::other_board),
+        ("stand_ins::an_image_without_build_or_board_is_not_written", stand_ins::no_build),
+        ("stand_ins::another_build_of_the_drive_is_not_flashed", stand_ins::other_build),
         ("stand_ins::a_simulator_is_not_flashed", stand_ins::simulator),
         ("stand_ins::two_probes_need_a_choice", stand_ins::two_probes),
         ("stand_ins::dfu_writes_reads_back_and_leaves", stand_ins::dfu),

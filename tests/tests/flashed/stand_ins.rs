@@ -136,6 +136,29 @@ pub(crate) fn other_board() {
     assert!(bench.calls().contains("probe-rs download") && !claims_success(&ended), "{}", ended.stdout);
 }
 
+pub(crate) fn no_build() {
+    for (lacks, code, message) in [(0, 1, "has no build to compare with"), (2, 2, "does not name its board")]
+    {
+        let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
+        let _ = elf.symbols.remove(lacks);
+        let (bench, twin) = (Workbench::with(elf), Twin::start());
+        bench.program("probe-rs", PROBE_RS);
+        let ended = flash(&bench, &twin).with_code(code);
+        assert!(ended.stderr.contains(message), "{}", ended.stderr);
+        assert_eq!(bench.calls(), "", "something was written");
+    }
+}
+
+/// The probe has written another chip than that of the drive.
+pub(crate) fn other_build() {
+    let (bench, twin) = (Workbench::with(Elf::image(SIZE, BUILD_ID ^ 1, BUILD_IS_DIRTY)), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let ended = flash(&bench, &twin).with_code(1);
+    let [drive, image] = [BUILD_ID, BUILD_ID ^ 1].map(|build| format!("build {build:08x}"));
+    assert!(ended.stderr.contains(&drive) && ended.stderr.contains(&image), "{}", ended.stderr);
+    assert!(!claims_success(&ended), "{}", ended.stdout);
+}
+
 pub(crate) fn simulator() {
     let bench = Workbench::new();
     bench.program("probe-rs", PROBE_RS);

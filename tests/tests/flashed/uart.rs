@@ -1,33 +1,28 @@
-//! The real stm32flash against a chip in its boot loader on a pseudo-terminal.
+//! The real stm32flash against a boot loader on a pseudo-terminal, and `lashloop flash` around it. After `Go` nothing answers here:
+//! the tests of virtual silicon start what a loader has received.
 
-use std::env;
+use std::fs::File;
 
-use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
+use lashloop_bench::supervisor::find_program;
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY, Drive};
 use rustix::process::Signal;
 use tests::elf::Elf;
-use tests::program::Ended;
-use tests::rom_loader::{Defect, RomLoader};
+use tests::powered::Powered;
+use tests::program::{Ended, Running};
+use tests::rom_loader::{Defect, FLASH, PROGRAM, RomLoader, serve};
+use tests::terminal::{self, Terminal};
 use tests::twin::Twin;
-use tests::{processes, terminal, wait};
+use tests::{processes, wait};
 
 use crate::bench::{SIZE, Workbench, claims_success};
 
-const PROGRAM: &str = "stm32flash";
-
-fn program() -> Option<String> {
-    let path = env::var_os("PATH").unwrap_or_default();
-    let found = env::split_paths(&path).map(|folder| folder.join(PROGRAM)).find(|path| path.is_file());
-    found.map(|path| path.display().to_string())
-}
-
-/// Names missing equipment and the command that installs it.
-pub(crate) fn missing() -> Option<String> {
-    program().is_none().then(|| format!("{PROGRAM} is not installed: run `cargo xtask setup`"))
-}
+/// End of the last sector that the image touches.
+const ERASED_END: usize = 1 << 15;
 
 fn with(elf: Elf) -> Workbench {
     let bench = Workbench::with(elf);
-    bench.system_program(&program().expect("stm32flash"));
+    let program = find_program(PROGRAM).expect("stm32flash");
+    bench.system_program(&program.display().to_string());
     bench
 }
 
@@ -35,75 +30,115 @@ fn right() -> Workbench {
     with(Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY))
 }
 
-fn flash(bench: &Workbench, loader: &RomLoader) -> Ended {
-    bench.flash_with(&[&["--via", "uart", "--device", &loader.device], &bench.board()[..]].concat())
+/// A board whose line is a pseudo-terminal.
+struct Board {
+    terminal: Terminal,
+    /// What runs until the loader is entered.
+    drive: Option<Powered>,
+    loader: RomLoader,
 }
 
-pub(crate) fn flashed() {
-    let (bench, loader) = (right(), RomLoader::start(Defect::None));
-    let ended = flash(&bench, &loader).with_code(0);
-    assert!(loader.flash(SIZE) == bench.flash(), "the flash differs from the image");
-    assert_eq!(loader.flash(SIZE + 1)[SIZE], 0xff, "a byte after the image is written");
-    let last = ended.stdout.lines().last().unwrap_or_default();
-    let report = format!("flashed    the drive on {} reports native-twin, firmware ", loader.device);
-    assert!(last.starts_with(&report) && last.contains(&format!("{BUILD_ID:08x}")), "{}", ended.stdout);
-    assert_eq!(ended.stderr, "", "output of stm32flash on the terminal");
-}
+impl Board {
+    fn in_loader(defect: Defect) -> Self {
+        Self { terminal: terminal::open(), drive: None, loader: RomLoader::new(defect) }
+    }
 
-pub(crate) fn found() {
-    let (bench, loader) = (right(), RomLoader::start(Defect::None));
-    let ended = bench.flash_with(&[&["--device", &loader.device], &bench.board()[..]].concat()).with_code(0);
-    assert!(ended.stdout.contains("\nway        uart: "), "{}", ended.stdout);
-}
+    fn with_drive() -> Self {
+        let drive = Powered::from(Drive::new("native-twin").with_loader());
+        Self { drive: Some(drive), ..Self::in_loader(Defect::None) }
+    }
 
-pub(crate) fn another_chip() {
-    let (bench, loader, twin) = (right(), RomLoader::start(Defect::None), Twin::start());
-    let ended = bench.flash_with(&["--device", &twin.device(), "--loader-port", &loader.device]).with_code(4);
-    assert!(ended.stderr.contains("the chip that stm32flash finds in its boot loader"), "{}", ended.stderr);
-    assert!(loader.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
-}
+    fn device(&self) -> String {
+        terminal::device(&self.terminal)
+    }
 
-pub(crate) fn by_request() {
-    for via in [&["--via", "uart"][..], &[]] {
-        let (bench, chip) = (right(), RomLoader::behind_a_drive());
-        let port = ["--device", &chip.device, "--loader-port", &chip.device];
-        let ended = bench.flash_with(&[via, &port].concat()).with_code(0);
-        assert!(chip.flash(SIZE) == bench.flash(), "the flash differs from the image");
-        let before = ended.stdout.lines().find(|line| line.starts_with("before ")).unwrap_or_default();
+    /// Serves a program until it has ended, or until nothing answers any longer.
+    fn serve(&mut self, program: &mut Running) {
+        let mut line = File::from(self.terminal.far_end.try_clone().expect("a handle"));
+        serve(&mut line, program, |bytes| {
+            self.drive.take_if(|drive| drive.enters_loader());
+            match &mut self.drive {
+                Some(drive) => Some(drive.exchange(bytes)),
+                None if self.loader.hangs() || self.loader.left_for.is_some() => None,
+                None => Some(self.loader.exchange(bytes)),
+            }
+        });
+    }
+
+    fn flash(&mut self, bench: &Workbench, arguments: &[&str]) -> Ended {
+        let mut running = bench.start(arguments);
+        self.serve(&mut running);
+        running.wait()
+    }
+
+    fn is_untouched(&self) -> bool {
+        self.loader.flash.iter().all(|byte| *byte == 0)
+    }
+
+    /// Checks that the image alone was written and started, and that nothing confirms it.
+    fn assert_written(&self, bench: &Workbench, ended: Ended) {
+        let ended = ended.with_code(4);
+        let flash = &self.loader.flash;
+        assert!(flash[..SIZE] == *bench.flash(), "the flash differs from the image");
         assert!(
-            before.contains("native-twin") && before.ends_with("enters its boot loader"),
-            "{}",
-            ended.stdout
+            flash[SIZE..ERASED_END].iter().all(|byte| *byte == 0xff),
+            "a byte after the image is written"
         );
-        assert!(claims_success(&ended), "{}", ended.stdout);
+        assert!(flash[ERASED_END..].iter().all(|byte| *byte == 0), "a sector after the image is erased");
+        assert_eq!(self.loader.left_for, Some(FLASH));
+        assert!(ended.stdout.contains("\nway        uart: ") && !claims_success(&ended), "{}", ended.stdout);
+        assert!(ended.stderr.contains("written and compared, but not confirmed"), "{}", ended.stderr);
+        assert!(ended.stderr.contains("hold BOOT0 high during a reset and call again"), "{}", ended.stderr);
+        assert_eq!(ended.stderr.lines().count(), 1, "output of stm32flash on the terminal: {}", ended.stderr);
     }
 }
 
+pub(crate) fn written() {
+    let (bench, mut board) = (right(), Board::in_loader(Defect::None));
+    let ended = board.flash(&bench, &[&["--device", &board.device()], &bench.board()[..]].concat());
+    board.assert_written(&bench, ended);
+}
+
+pub(crate) fn another_chip() {
+    let (bench, mut board, twin) = (right(), Board::in_loader(Defect::None), Twin::start());
+    let port = board.device();
+    let ended = board.flash(&bench, &["--device", &twin.device(), "--loader-port", &port]).with_code(4);
+    assert!(ended.stderr.contains("the chip that stm32flash finds in its boot loader"), "{}", ended.stderr);
+    assert!(board.is_untouched(), "something was written");
+}
+
+pub(crate) fn by_request() {
+    let (bench, mut board) = (right(), Board::with_drive());
+    let port = board.device();
+    let ended = board.flash(&bench, &["--device", &port, "--loader-port", &port]);
+    let before = ended.stdout.lines().find(|line| line.starts_with("before ")).unwrap_or_default();
+    assert!(before.contains("native-twin") && before.ends_with("enters its boot loader"), "{}", ended.stdout);
+    board.assert_written(&bench, ended);
+}
+
 pub(crate) fn no_request() {
-    let (bench, chip) = (right(), RomLoader::behind_a_drive());
-    let ended = bench.flash_with(&["--via", "uart", "--device", &chip.device]).with_code(4);
+    let (bench, mut board) = (right(), Board::with_drive());
+    let ended = board.flash(&bench, &["--via", "uart", "--device", &board.device()]).with_code(4);
     assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
-    // It still runs its firmware.
-    let doctor = tests::program::run(["doctor", &chip.device]);
-    assert!(doctor.stdout.contains("native-twin"), "{}{}", doctor.stdout, doctor.stderr);
+    assert!(board.drive.is_some(), "the firmware has ended");
 }
 
 pub(crate) fn no_request_for_other_board() {
     let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
     elf.symbols[2].0 = "_lashloop_board_stm32f405";
-    let chip = RomLoader::behind_a_drive();
-    let port = ["--via", "uart", "--device", &chip.device, "--loader-port", &chip.device];
-    let ended = with(elf).flash_with(&port).with_code(2);
+    let mut board = Board::with_drive();
+    let port = board.device();
+    let port = ["--via", "uart", "--device", &port, "--loader-port", &port];
+    let ended = board.flash(&with(elf), &port).with_code(2);
     assert!(ended.stderr.contains("is for the board stm32f405"), "{}", ended.stderr);
     assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
-    assert!(chip.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
+    assert!(board.drive.is_some() && board.is_untouched(), "the firmware has ended");
 }
 
 pub(crate) fn unreached() {
-    let (bench, chip, elsewhere) = (right(), RomLoader::behind_a_drive(), terminal::open());
-    let port = terminal::device(&elsewhere);
-    let ended =
-        bench.flash_with(&["--via", "uart", "--device", &chip.device, "--loader-port", &port]).with_code(4);
+    let (bench, mut board, elsewhere) = (right(), Board::with_drive(), terminal::open());
+    let ports = ["--device", &board.device(), "--loader-port", &terminal::device(&elsewhere)];
+    let ended = board.flash(&bench, &[&["--via", "uart"], &ports[..]].concat()).with_code(4);
     assert!(
         ended.stderr.contains("the drive is in its boot loader, and no way leads there; reset the board"),
         "{}",
@@ -112,66 +147,32 @@ pub(crate) fn unreached() {
     assert!(!claims_success(&ended), "{}", ended.stdout);
 }
 
-pub(crate) fn other_build() {
-    let (bench, loader) =
-        (with(Elf::image(SIZE, BUILD_ID ^ 1, BUILD_IS_DIRTY)), RomLoader::start(Defect::None));
-    let ended = flash(&bench, &loader).with_code(1);
-    assert!(loader.flash(SIZE) == bench.flash(), "the flash differs from the image");
-    let [drive, image] = [BUILD_ID, BUILD_ID ^ 1].map(|build| format!("build {build:08x}"));
-    assert!(ended.stderr.contains(&drive) && ended.stderr.contains(&image), "{}", ended.stderr);
-    assert!(!claims_success(&ended), "{}", ended.stdout);
-}
-
-pub(crate) fn other_board() {
-    let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
-    elf.symbols[2].0 = "_lashloop_board_stm32f405";
-    let ended = flash(&with(elf), &RomLoader::start(Defect::None)).with_code(1);
-    assert!(
-        ended.stderr.contains("reports the board native-twin, and the image is for stm32f405"),
-        "{}",
-        ended.stderr
-    );
-    assert!(!claims_success(&ended), "{}", ended.stdout);
-}
-
-pub(crate) fn no_build() {
-    for (lacks, code, message) in [(0, 1, "has no build to compare with"), (2, 2, "does not name its board")]
-    {
-        let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
-        let _ = elf.symbols.remove(lacks);
-        let loader = RomLoader::start(Defect::None);
-        let ended = flash(&with(elf), &loader).with_code(code);
-        assert!(ended.stderr.contains(message), "{}", ended.stderr);
-        assert!(loader.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
-        assert!(!claims_success(&ended), "{}", ended.stdout);
-    }
-}
-
-fn failed(defect: Defect) -> String {
-    let (bench, loader) = (right(), RomLoader::start(defect));
-    let ended = flash(&bench, &loader).with_code(4);
-    assert!(!claims_success(&ended), "{}", ended.stdout);
+/// Flashes a chip that doesn't take the image.
+fn assert_not_flashed(defect: Defect) {
+    let (bench, mut board) = (right(), Board::in_loader(defect));
+    let port = board.device();
+    let ended = board.flash(&bench, &[&["--via", "uart", "--device", &port], &bench.board()[..]].concat());
+    let ended = ended.with_code(4);
+    assert!(ended.stderr.contains("not flashed: stm32flash failed"), "{defect:?}: {}", ended.stderr);
     assert!(ended.stderr.contains("hold BOOT0 high during a reset and call again"), "{}", ended.stderr);
-    ended.stderr
+    assert!(board.loader.left_for.is_none() && !claims_success(&ended), "{}", ended.stdout);
 }
 
-pub(crate) fn protected() {
-    let message = failed(Defect::Protected);
-    assert!(message.contains("not flashed: stm32flash failed"), "{message}");
+pub(crate) fn refused() {
+    [Defect::Protected, Defect::Garbled, Defect::Hangs].into_iter().for_each(assert_not_flashed);
 }
 
 pub(crate) fn stuck_bit() {
     // A byte whose lowest bit is 1 in the image.
-    let bench = right();
-    let at = bench.flash().iter().rposition(|byte| byte & 1 == 1).expect("an odd byte");
-    let message = failed(Defect::StuckBit(at));
-    assert!(message.contains("not flashed: stm32flash failed"), "{message}");
+    let at = right().flash().iter().rposition(|byte| byte & 1 == 1).expect("an odd byte");
+    assert_not_flashed(Defect::StuckBit(at));
 }
 
 pub(crate) fn interrupted() {
-    let (bench, loader) = (right(), RomLoader::start(Defect::Hangs));
-    let running = bench.start(&[&["--via", "uart", "--device", &loader.device], &bench.board()[..]].concat());
-    wait::until("the first write", || loader.hangs().then_some(()));
+    let (bench, mut board) = (right(), Board::in_loader(Defect::Hangs));
+    let port = board.device();
+    let mut running = bench.start(&[&["--via", "uart", "--device", &port], &bench.board()[..]].concat());
+    board.serve(&mut running);
     let only_child = |of: u32| {
         let [child] = processes::children(of)[..] else { panic!("one child was expected") };
         child
@@ -189,11 +190,6 @@ pub(crate) fn interrupted() {
         ended.stderr
     );
     assert!(!claims_success(&ended), "{}", ended.stdout);
-}
-
-pub(crate) fn silent() {
-    let message = failed(Defect::Silent);
-    assert!(message.contains("written and compared, but not confirmed"), "{message}");
 }
 
 pub(crate) fn no_loader() {

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use lashloop_bench::run::End;
 use lashloop_bench::timing::StepOutcome;
+use lashloop_protocol::{DriveMessage, HostMessage};
 use rustix::process::Signal;
 use serde_json::Value;
 use tests::loss;
@@ -260,9 +261,62 @@ fn a_disconnect_without_resume_ends_with_exit_code_4() {
     let _ = loss::assert_reported(bench, &records, lost_at);
 }
 
+/// A line that is disconnected at a frame of the bench, which the drive doesn't get.
+fn cut_at(drive: &Twin, is_last: fn(&HostMessage) -> bool) -> Relay {
+    Relay::start(drive.path(), move |frame| match frame.from_bench() {
+        Some(message) if is_last(&message) => Action::Disconnect,
+        _ => Action::Forward,
+    })
+}
+
+/// What the bench sends before the first sample, in this order.
+const BEFORE_SAMPLES: [fn(&HostMessage) -> bool; 4] = [
+    |it| matches!(it, HostMessage::Hello(_)),
+    |it| matches!(it, HostMessage::SetParameter(_)),
+    |it| matches!(it, HostMessage::Arm(_)),
+    |it| matches!(it, HostMessage::Start(_)),
+];
+
+#[test]
+fn a_loss_before_the_first_sample_ends_the_run() {
+    for is_last in BEFORE_SAMPLES {
+        let (drive, records) = (Twin::start(), Records::new());
+        let relay = cut_at(&drive, is_last);
+        let arguments = ["run", "scenarios/faults.toml", "--device", relay.device(), "--out", &records.out()];
+        let ended = program::run(arguments.into_iter().chain(RESUME)).with_code(4);
+        let _ = relay.disconnected_at();
+        assert!(ended.stderr.contains("the far end closed the line"), "{}", ended.stderr);
+        assert_eq!(records.summary_text(), None);
+    }
+}
+
+#[test]
+fn a_loss_from_the_first_sample_on_is_resumed() {
+    let (drive, records) = (Twin::start(), Records::new());
+    let mut relay = cut_at(&drive, |it| matches!(it, HostMessage::EncoderSample(_)));
+    let name = Name::of(Path::new(relay.device()));
+    let (device, out) = (name.path().display().to_string(), records.out());
+    let arguments = ["run", "scenarios/faults.toml", "--device", &device, "--out", &out];
+    let settings = ["run.duration_s=2", "allow.resumes=3", "allow.lost=3"];
+    let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+    let bench = Running::start(arguments.into_iter().chain(RESUME).chain(PATIENCE).chain(settings));
+    for is_last in BEFORE_SAMPLES {
+        let _ = relay.disconnected_at();
+        let next = cut_at(&drive, is_last);
+        name.point_to(Path::new(next.device()));
+        relay = next;
+    }
+    let _ = relay.disconnected_at();
+    name.point_to(drive.path());
+    let ended = bench.wait();
+    let summary = records.summary();
+    // Of the first drive, and of those that were lost with `Arm` and `Start`.
+    assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &3.into()));
+    assert!(!ended.stdout.contains("BROKEN"), "{}", ended.stdout);
+}
+
 #[test]
 fn another_firmware_under_the_name_is_never_armed() {
-    use lashloop_protocol::{DriveMessage, HostMessage};
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, _records) = started(&name, &["run.duration_s=200", "allow.resumes=1", "allow.lost=2"]);

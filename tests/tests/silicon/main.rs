@@ -15,6 +15,7 @@ mod commission;
 mod conversation;
 mod equipment;
 mod experiment;
+mod flash;
 mod runs;
 mod walk;
 
@@ -22,7 +23,7 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Trial};
 use tests::paper::{BACKLASH_INVERSE, RUNS};
-use tests::{fault_table, optional, own_core};
+use tests::{fault_table, optional, own_core, rom_loader};
 
 type Check = fn();
 
@@ -60,6 +61,9 @@ fn main() -> ExitCode {
         let name = format!("runs::{}_has_the_torques_of_the_run_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || run.check_start_on("silicon", 3)));
     }
+    let without_loader = missing.clone().or_else(rom_loader::missing);
+    let name = "flash::an_image_that_its_boot_loader_has_received_runs_and_is_confirmed";
+    trials.push(trial(name, without_loader, flash::received));
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
     optional::run(&arguments, "virtual silicon", missing.as_deref(), trials)
 }

@@ -141,6 +141,19 @@ pub(crate) enum Kind {
     Adapter,
     /// A drive with the USB port of the firmware.
     DrivePort,
+    /// A boot loader behind a serial adapter.
+    Loader,
+}
+
+/// When a device is unplugged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unplug {
+    ByTest,
+    /// After the host has sent so many bytes, and some time; that of a loader also when it starts what it has received.
+    After {
+        bytes: usize,
+        delay_us: u32,
+    },
 }
 
 impl Kind {
@@ -148,12 +161,13 @@ impl Kind {
         match self {
             Self::Adapter => "ftdi",
             Self::DrivePort => "cdc",
+            Self::Loader => "loader",
         }
     }
 
     fn terminal(self) -> &'static str {
         match self {
-            Self::Adapter => "/dev/ttyUSB0",
+            Self::Adapter | Self::Loader => "/dev/ttyUSB0",
             Self::DrivePort => "/dev/ttyACM0",
         }
     }
@@ -161,7 +175,9 @@ impl Kind {
     /// udev's name for a device with this serial number.
     pub(crate) fn stable_name(self, serial_number: &str) -> String {
         match self {
-            Self::Adapter => format!("/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_{serial_number}-if00-port0"),
+            Self::Adapter | Self::Loader => {
+                format!("/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_{serial_number}-if00-port0")
+            }
             Self::DrivePort => format!("/dev/serial/by-id/usb-Lashloop_Lashloop_drive_{serial_number}-if00"),
         }
     }
@@ -170,8 +186,17 @@ impl Kind {
 impl<'a> Device<'a> {
     /// Plugs a device in and waits for its terminal.
     pub(crate) fn plug(machine: &'a mut Machine, kind: Kind, serial_number: &str) -> Self {
+        Self::plug_until(machine, kind, serial_number, Unplug::ByTest)
+    }
+
+    pub(crate) fn plug_until(
+        machine: &'a mut Machine,
+        kind: Kind,
+        serial_number: &str,
+        unplug: Unplug,
+    ) -> Self {
         let mut device = Self { machine, kind, command: None, terminal: kind.terminal() };
-        device.replug(serial_number);
+        device.replug_until(serial_number, unplug);
         device
     }
 
@@ -181,11 +206,31 @@ impl<'a> Device<'a> {
         }
     }
 
+    /// Waits until the device is unplugged.
+    pub(crate) fn await_unplug(&mut self) {
+        self.machine.await_removal(self.terminal);
+    }
+
+    /// Whether the device is unplugged within the time of such a wait.
+    pub(crate) fn is_unplugged_soon(&mut self) -> bool {
+        self.machine.vanishes(self.terminal)
+    }
+
     /// Plugs another one into the same port.
     pub(crate) fn replug(&mut self, serial_number: &str) {
+        self.replug_until(serial_number, Unplug::ByTest);
+    }
+
+    pub(crate) fn replug_until(&mut self, serial_number: &str, unplug: Unplug) {
         self.unplug();
-        self.machine.await_removal(self.terminal);
-        self.command = Some(self.machine.plug(self.kind.word(), 0, serial_number));
+        self.await_unplug();
+        let mut words = vec!["plug", self.kind.word(), "0", serial_number];
+        let after = match unplug {
+            Unplug::ByTest => Vec::new(),
+            Unplug::After { bytes, delay_us } => vec![bytes.to_string(), delay_us.to_string()],
+        };
+        words.extend(after.iter().map(String::as_str));
+        self.command = Some(self.machine.start_own(&words));
         self.machine.await_file(self.terminal);
         self.machine.await_file(&self.kind.stable_name(serial_number));
     }

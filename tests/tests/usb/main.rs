@@ -6,7 +6,9 @@
 mod adapter;
 mod drive_port;
 mod emulated_adapter;
+mod flash;
 mod machine;
+mod unplugs;
 
 use std::process::ExitCode;
 
@@ -17,7 +19,7 @@ use tests::usb_guest::equipment;
 
 type Check = fn(&mut Machine);
 
-const TRIALS: [(&str, Check); 15] = [
+const TRIALS: [(&str, Check); 20] = [
     ("adapter::ports_lists_identity_and_stable_name", adapter::listed),
     ("adapter::a_run_has_the_torques_of_the_drive_in_process", adapter::torques),
     ("adapter::a_user_is_warned_of_the_latency_timer", adapter::warned),
@@ -33,6 +35,11 @@ const TRIALS: [(&str, Check); 15] = [
     ("drive_port::a_run_resumes_after_a_replug_by_its_stable_name", drive_port::resumed),
     ("emulated_adapter::a_run_has_the_torques_of_the_drive_in_process", emulated_adapter::torques),
     ("emulated_adapter::a_run_resumes_after_a_replug", emulated_adapter::resumed),
+    ("flash::an_unplug_before_the_first_block_writes_nothing", flash::before_the_first_block),
+    ("flash::an_unplug_between_blocks_is_not_flashed", flash::between_blocks),
+    ("flash::an_unplug_after_the_start_is_written_and_not_confirmed", flash::after_the_start),
+    ("unplugs::of_an_adapter_under_load_are_all_resumed", unplugs::of_an_adapter),
+    ("unplugs::of_a_drive_port_under_load_are_all_resumed", unplugs::of_a_drive),
 ];
 
 fn main() -> ExitCode {
