@@ -51,13 +51,13 @@ pub(crate) fn cdc(port: u32, serial_number: &str, mut cable: Cable) -> Result<()
 
 /// What a serial adapter leads to.
 pub(crate) enum FarEnd {
-    Drive(Powered),
+    Drive(Box<Powered>),
     Loader(RomLoader),
 }
 
 impl FarEnd {
     pub(crate) fn drive() -> Self {
-        Self::Drive(Drive::new("uart-twin").into())
+        Self::Drive(Box::new(Drive::new("uart-twin").into()))
     }
 
     pub(crate) fn loader() -> Self {
