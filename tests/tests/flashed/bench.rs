@@ -102,3 +102,8 @@ impl Workbench {
 pub(crate) fn claims_success(ended: &Ended) -> bool {
     ended.stdout.contains("flashed ")
 }
+
+/// Checks that the program's error contains a text.
+pub(crate) fn assert_error(ended: &Ended, text: &str) {
+    assert!(ended.stderr.contains(text), "{}", ended.stderr);
+}

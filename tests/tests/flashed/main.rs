@@ -20,15 +20,14 @@ type Check = fn();
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let stm32flash = rom_loader::missing();
-    let with_stm32flash: [(&str, Check); 10] = [
+    let with_stm32flash: [(&str, Check); 9] = [
         ("uart::the_image_alone_is_written_and_not_confirmed_by_silence", uart::written),
         ("uart::a_loader_next_to_an_answering_drive_is_not_written", uart::another_chip),
         ("uart::a_running_drive_enters_its_boot_loader_by_request", uart::by_request),
         ("uart::a_drive_gets_no_request_for_a_loader_elsewhere", uart::no_request),
         ("uart::a_drive_gets_no_request_for_the_image_of_another_board", uart::no_request_for_other_board),
         ("uart::a_loader_that_no_way_reaches_is_reported_with_the_way_back", uart::unreached),
-        ("uart::a_refused_garbled_or_missing_answer_is_reported_with_the_recovery", uart::refused),
-        ("uart::a_stuck_bit_is_found_by_the_comparison", uart::stuck_bit),
+        ("uart::a_chip_that_does_not_take_the_image_is_reported_with_the_recovery", uart::not_taken),
         ("uart::an_interruption_ends_stm32flash_and_names_the_recovery", uart::interrupted),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];

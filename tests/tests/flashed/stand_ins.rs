@@ -8,7 +8,7 @@ use tests::elf::Elf;
 use tests::program::Ended;
 use tests::twin::Twin;
 
-use crate::bench::{SIZE, Workbench, claims_success};
+use crate::bench::{SIZE, Workbench, assert_error, claims_success};
 
 /// probe-rs with one probe.
 const PROBE_RS: &str = r#"
@@ -132,7 +132,7 @@ pub(crate) fn other_board() {
     // A drive with the wrong image takes the right one, because the rig file has the board.
     let rig = rig_with(&bench, &twin, "odrive-v3", "");
     let ended = bench.flash_with(&["--rig", &rig]).with_code(1);
-    assert!(ended.stderr.contains("reports the board native-twin"), "{}", ended.stderr);
+    assert_error(&ended, "reports the board native-twin");
     assert!(bench.calls().contains("probe-rs download") && !claims_success(&ended), "{}", ended.stdout);
 }
 
@@ -173,7 +173,7 @@ pub(crate) fn two_probes() {
     let (bench, twin) = (Workbench::new(), Twin::start());
     bench.program("probe-rs", "echo \"[0]: A\"; echo \"[1]: B\"; echo \"probe-rs $*\" >> \"$BENCH/calls\"");
     let ended = bench.flash_with(&["--via", "probe", "--device", &twin.device()]).with_code(4);
-    assert!(ended.stderr.contains("finds 2 debug probes"), "{}", ended.stderr);
+    assert_error(&ended, "finds 2 debug probes");
     assert_eq!(bench.calls(), "probe-rs list\n", "something was written");
 }
 
@@ -197,11 +197,7 @@ pub(crate) fn another_chip() {
     let twin = Twin::start();
     let bench = with_dfu(DFU_UTIL, &twin);
     let ended = flash(&bench, &twin).with_code(4);
-    assert!(
-        ended.stderr.contains("the chip that dfu-util finds in its boot loader is another one"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "the chip that dfu-util finds in its boot loader is another one");
     assert!(!bench.path("flash").exists() && !claims_success(&ended), "{}", bench.calls());
 }
 
@@ -209,7 +205,7 @@ pub(crate) fn another_chip() {
 pub(crate) fn no_port() {
     let bench = with_dfu(DFU_UTIL, &Twin::start());
     let ended = bench.flash_with(&[&["--via", "dfu"], &bench.board()[..]].concat()).with_code(4);
-    assert!(ended.stderr.contains("written and compared, but not confirmed"), "{}", ended.stderr);
+    assert_error(&ended, "written and compared, but not confirmed");
     assert!(ended.stdout.contains("\nwritten    ") && !claims_success(&ended), "{}", ended.stdout);
 }
 
@@ -217,13 +213,9 @@ pub(crate) fn no_port() {
 pub(crate) fn blank_chip() {
     let bench = with_dfu(DFU_UTIL, &Twin::start());
     let ended = bench.flash_with(&["--via", "dfu"]).with_code(2);
-    assert!(ended.stderr.contains("call again with --board native-twin"), "{}", ended.stderr);
+    assert_error(&ended, "call again with --board native-twin");
     let ended = bench.flash_with(&["--via", "dfu", "--board", "odrive-v3"]).with_code(2);
-    assert!(
-        ended.stderr.contains("is for the board native-twin, and that of --board is odrive-v3"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "is for the board native-twin, and that of --board is odrive-v3");
     assert!(!bench.path("flash").exists() && !claims_success(&ended), "{}", bench.calls());
 }
 
@@ -246,11 +238,7 @@ pub(crate) fn dfu_different() {
     let twin = Twin::start();
     let ended = flash_in_loader(&with_dfu(&damaged, &twin)).with_code(4);
     // The ELF begins with 0x7f, the image with the low byte of its stack.
-    assert!(
-        ended.stderr.contains("the byte at 0x08000000 reads back as 0x7f, 0x00 was written"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "the byte at 0x08000000 reads back as 0x7f, 0x00 was written");
     assert!(ended.stderr.contains("hold BOOT0 high") && !claims_success(&ended), "{}", ended.stderr);
 }
 
@@ -313,11 +301,8 @@ pub(crate) fn rig_in_use() {
     for second in [["--rig", &rig], ["--device", &twin.device()]] {
         let ended = bench.flash_with(&second).with_code(4);
         let holder = format!("the rig is in use by process {} of ", first.id());
-        assert!(
-            ended.stderr.contains(&holder) && ended.stderr.contains("lashloop flash"),
-            "{}",
-            ended.stderr
-        );
+        assert_error(&ended, &holder);
+        assert_error(&ended, "lashloop flash");
     }
     first.signal(rustix::process::Signal::INT);
     let _ = first.wait();

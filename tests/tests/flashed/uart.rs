@@ -14,7 +14,7 @@ use tests::terminal::{self, Terminal};
 use tests::twin::Twin;
 use tests::{processes, wait};
 
-use crate::bench::{SIZE, Workbench, claims_success};
+use crate::bench::{SIZE, Workbench, assert_error, claims_success};
 
 /// End of the last sector that the image touches.
 const ERASED_END: usize = 1 << 15;
@@ -80,15 +80,13 @@ impl Board {
         let ended = ended.with_code(4);
         let flash = &self.loader.flash;
         assert!(flash[..SIZE] == *bench.flash(), "the flash differs from the image");
-        assert!(
-            flash[SIZE..ERASED_END].iter().all(|byte| *byte == 0xff),
-            "a byte after the image is written"
-        );
-        assert!(flash[ERASED_END..].iter().all(|byte| *byte == 0), "a sector after the image is erased");
+        let is_all = |rest: &[u8], value: u8| rest.iter().all(|byte| *byte == value);
+        assert!(is_all(&flash[SIZE..ERASED_END], 0xff), "a byte after the image is written");
+        assert!(is_all(&flash[ERASED_END..], 0), "a sector after the image is erased");
         assert_eq!(self.loader.left_for, Some(FLASH));
         assert!(ended.stdout.contains("\nway        uart: ") && !claims_success(&ended), "{}", ended.stdout);
-        assert!(ended.stderr.contains("written and compared, but not confirmed"), "{}", ended.stderr);
-        assert!(ended.stderr.contains("hold BOOT0 high during a reset and call again"), "{}", ended.stderr);
+        assert_error(&ended, "written and compared, but not confirmed");
+        assert_error(&ended, "hold BOOT0 high during a reset and call again");
         assert_eq!(ended.stderr.lines().count(), 1, "output of stm32flash on the terminal: {}", ended.stderr);
     }
 }
@@ -103,7 +101,7 @@ pub(crate) fn another_chip() {
     let (bench, mut board, twin) = (right(), Board::in_loader(Defect::None), Twin::start());
     let port = board.device();
     let ended = board.flash(&bench, &["--device", &twin.device(), "--loader-port", &port]).with_code(4);
-    assert!(ended.stderr.contains("the chip that stm32flash finds in its boot loader"), "{}", ended.stderr);
+    assert_error(&ended, "the chip that stm32flash finds in its boot loader");
     assert!(board.is_untouched(), "something was written");
 }
 
@@ -130,7 +128,7 @@ pub(crate) fn no_request_for_other_board() {
     let port = board.device();
     let port = ["--via", "uart", "--device", &port, "--loader-port", &port];
     let ended = board.flash(&with(elf), &port).with_code(2);
-    assert!(ended.stderr.contains("is for the board stm32f405"), "{}", ended.stderr);
+    assert_error(&ended, "is for the board stm32f405");
     assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
     assert!(board.drive.is_some() && board.is_untouched(), "the firmware has ended");
 }
@@ -139,33 +137,23 @@ pub(crate) fn unreached() {
     let (bench, mut board, elsewhere) = (right(), Board::with_drive(), terminal::open());
     let ports = ["--device", &board.device(), "--loader-port", &terminal::device(&elsewhere)];
     let ended = board.flash(&bench, &[&["--via", "uart"], &ports[..]].concat()).with_code(4);
-    assert!(
-        ended.stderr.contains("the drive is in its boot loader, and no way leads there; reset the board"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "the drive is in its boot loader, and no way leads there; reset the board");
     assert!(!claims_success(&ended), "{}", ended.stdout);
 }
 
-/// Flashes a chip that doesn't take the image.
-fn assert_not_flashed(defect: Defect) {
-    let (bench, mut board) = (right(), Board::in_loader(defect));
-    let port = board.device();
-    let ended = board.flash(&bench, &[&["--via", "uart", "--device", &port], &bench.board()[..]].concat());
-    let ended = ended.with_code(4);
-    assert!(ended.stderr.contains("not flashed: stm32flash failed"), "{defect:?}: {}", ended.stderr);
-    assert!(ended.stderr.contains("hold BOOT0 high during a reset and call again"), "{}", ended.stderr);
-    assert!(board.loader.left_for.is_none() && !claims_success(&ended), "{}", ended.stdout);
-}
-
-pub(crate) fn refused() {
-    [Defect::Protected, Defect::Garbled, Defect::Hangs].into_iter().for_each(assert_not_flashed);
-}
-
-pub(crate) fn stuck_bit() {
+pub(crate) fn not_taken() {
     // A byte whose lowest bit is 1 in the image.
-    let at = right().flash().iter().rposition(|byte| byte & 1 == 1).expect("an odd byte");
-    assert_not_flashed(Defect::StuckBit(at));
+    let odd = right().flash().iter().rposition(|byte| byte & 1 == 1).expect("an odd byte");
+    for defect in [Defect::Protected, Defect::Garbled, Defect::Hangs, Defect::StuckBit(odd)] {
+        let (bench, mut board) = (right(), Board::in_loader(defect));
+        let port = board.device();
+        let ended =
+            board.flash(&bench, &[&["--via", "uart", "--device", &port], &bench.board()[..]].concat());
+        let ended = ended.with_code(4);
+        assert!(ended.stderr.contains("not flashed: stm32flash failed"), "{defect:?}: {}", ended.stderr);
+        assert_error(&ended, "hold BOOT0 high during a reset and call again");
+        assert!(board.loader.left_for.is_none() && !claims_success(&ended), "{}", ended.stdout);
+    }
 }
 
 pub(crate) fn interrupted() {
@@ -184,11 +172,7 @@ pub(crate) fn interrupted() {
     let ended = running.wait().with_code(3);
     // The kernel may take a moment to end what has been killed.
     wait::until("the end of stm32flash", || (!processes::runs(stm32flash)).then_some(()));
-    assert!(
-        ended.stderr.contains("interrupted; the flash may be incomplete; hold BOOT0"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "interrupted; the flash may be incomplete; hold BOOT0");
     assert!(!claims_success(&ended), "{}", ended.stdout);
 }
 
@@ -197,9 +181,6 @@ pub(crate) fn no_loader() {
     let port = twin.device();
     let ended = bench.flash_with(&["--via", "uart", "--device", &port, "--loader-port", &port]).with_code(4);
     assert!(ended.stdout.contains("enters no boot loader: "), "{}", ended.stdout);
-    assert!(
-        ended.stderr.contains("no boot loader answers") && ended.stderr.contains("BOOT0"),
-        "{}",
-        ended.stderr
-    );
+    assert_error(&ended, "no boot loader answers");
+    assert_error(&ended, "BOOT0");
 }
