@@ -33,7 +33,7 @@ pub fn through_by(page: &str, programs: &[&Path], shell: impl Fn() -> Command) {
 /// Walks through a page in a copy of the workspace, with what is built there of images.
 ///
 /// # Panics
-/// As [`through`], or there is no copy.
+/// As [`through`], or the workspace can't be copied.
 pub fn through_in_a_copy(page: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("target")).expect("a folder");

@@ -73,7 +73,7 @@ fn names() -> String {
 /// The pin map of a board: the name of a built-in one or of a new one in [`FOLDER`], or the path of a file, which ends in `.toml`.
 ///
 /// # Errors
-/// There is no such board, or its file is wrong.
+/// The board is unknown, or its file is wrong.
 pub fn open(board: &str) -> Result<Wiring, BoardError> {
     let wiring = match BUILT_IN.iter().find(|(name, _)| *name == board) {
         Some((_, text)) => read(text),

@@ -20,7 +20,7 @@ pub(crate) fn build() -> Result<()> {
 /// Builds the image of one board.
 ///
 /// # Errors
-/// There is no such board, or its image can't be built.
+/// The board is unknown, or its image can't be built.
 pub(crate) fn build_for(board: &str) -> Result<()> {
     let drives = drives()?;
     let found = drives.iter().find(|program| program.board() == Some(board));

@@ -109,6 +109,8 @@ impl Tick {
         self.period = period;
         if let Ok(micros) = u32::try_from(period.as_micros()) {
             self.timer.restart(micros);
+            // A period may have ended before the restart.
+            self.timer.clear();
             self.overdue_us = micros.saturating_add(micros / 2);
         }
     }

@@ -1,5 +1,7 @@
 //! The seam between the drive and a chip: what a chip family has to have. Everything else of the board is the same on each.
 //!
+//! Its interrupts are by name: `image!` binds tasks to TIM2, TIM5, EXTI0 and OTG_FS. Nothing reads the cause of a reset.
+//!
 //! A family is a folder: an implementation of [`Chip`] with its [`parts`](super::parts), and a file per board with its pins. The folder
 //! of the fitted board is the only code with registers of peripherals; the processor's own are used outside too.
 
@@ -43,8 +45,6 @@ pub trait Chip: Sized + 'static {
     const CHIP: &'static str;
     /// Interrupt of the link.
     const LINK: Self::Interrupt;
-    /// Interrupt of the task that serves the drive: that of the USB port.
-    const SERVE: Self::Interrupt;
     /// Start of the boot loader in ROM (ST AN2606).
     const ROM: u32;
     /// Where the loader's interrupt vectors are once [`Self::show_rom`] has been called.

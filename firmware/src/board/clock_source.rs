@@ -69,7 +69,7 @@ pub(super) fn crystal_hz<S: Stopwatch>(mut stopwatch: S) -> Option<u32> {
     if !stopwatch.run_from_crystal(true) {
         return None;
     }
-    // The clock security system notices a crystal that stops meanwhile.
+    // A crystal that stops meanwhile gives no capture.
     let crystal = counts(&mut stopwatch);
     stopwatch.run_from_crystal(false);
     // At most 4 times 8 periods of 17 kHz at 64 MHz: 121,000 counts.

@@ -4,6 +4,7 @@
 use core::panic::{Location, PanicInfo};
 
 use super::chip::Chip;
+use super::pac::Interrupt;
 use super::parts::{StageLines as _, Transmitter as _};
 use super::{Fitted, device_clock, last_resort, usb_port};
 use crate::drive::fault_frame;
@@ -54,7 +55,7 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     }
     // An interrupt that stays enabled and pending would end every sleep at once.
     NVIC::mask(Fitted::LINK);
-    NVIC::mask(Fitted::SERVE);
+    NVIC::mask(Interrupt::OTG_FS);
     // SAFETY: interrupts are off, and the owner of SysTick never runs again.
     #[allow(unsafe_code)]
     let mut syst = unsafe { Peripherals::steal() }.SYST;

@@ -110,6 +110,9 @@ pub fn start<L: LawSet>(
     stack_guard::start(mpu);
     let Memory { queues, usb } = memory;
     let Started { clock: source, link, usb, bench } = Fitted::start(device, is_emulated, usb);
+    if bench.is_some() {
+        last_resort::note_start();
+    }
     let transmission = if is_emulated { Transmission::Polling } else { Transmission::Interrupt };
     let (usart, uart) = link::open(link, queues, transmission);
     let lines = Lines::new(uart, usb);
@@ -117,7 +120,6 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match (source, bench) {
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
         (_, Some(Bench { motor, load, stage, tick, monitor })) => {
-            last_resort::note_start();
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
             let tick = Tick::start(tick, (motor, load), clock, drive.period());
             (drive, Some((Stage::new(stage), (tick, TickMonitor::new(monitor)))))

@@ -1,5 +1,6 @@
 //! The parts of a chip that the drive uses, each a trait, and what all of them share.
 
+use crate::input_filter::FILTERS_NS;
 use crate::power_stage::{PowerStageFault, StageMode};
 
 /// Core clock of every family, Hz: the maximum of the STM32F405, and the rate of SysTick in QEMU. So every time of the drive is
@@ -17,6 +18,11 @@ pub const WATCHDOG_MS: u32 = 5;
 /// Polls until a new reload value is in force: five cycles of the oscillator, 0.3 ms at 17 kHz. A poll takes at least 8 cycles
 /// of the core.
 pub const WATCHDOG_POLLS: u32 = 20_000;
+
+/// The filters of [`FILTERS_NS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a
+/// 16th and a 32nd.
+pub const ENCODER_FILTERS: [u8; FILTERS_NS.len()] =
+    [0b0010, 0b0011, 0b0100, 0b0101, 0b0111, 0b1001, 0b1100, 0b1111];
 
 /// A received byte was lost: overrun of the port or the queue, framing error or noise.
 pub struct LineError;
@@ -69,7 +75,7 @@ pub trait Transmitter: Send + 'static {
 
 /// A quadrature encoder: a counter of every edge of both channels, 16 bits, and its pins.
 pub trait EncoderInput: Send + 'static {
-    /// Selects the filter of both channels by its index in [`FILTERS_NS`](crate::input_filter::FILTERS_NS).
+    /// Selects the filter of both channels by its index in [`FILTERS_NS`].
     fn set_filter(&mut self, filter: usize);
 
     /// The count.
@@ -119,7 +125,7 @@ pub struct Outputs {
 
 /// A timer that counts microseconds and raises its interrupt after each period.
 pub trait PeriodTimer: Send + 'static {
-    /// Counts from 0 to a new period, us. Raises no interrupt by itself.
+    /// Counts from 0 to a new period of at least 1 us. Raises no interrupt by itself.
     fn restart(&mut self, period_us: u32);
 
     /// Microseconds since the last period, or restart.

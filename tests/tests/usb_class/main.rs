@@ -94,14 +94,20 @@ fn bytes_sent_just_ahead_of_closing_are_served() {
     assert_eq!(host.drive.state(), State::Idle, "the drive has taken the Hello");
 }
 
-#[test]
-fn bytes_that_wait_for_a_drive_are_served_after_closing() {
+/// A host of a drive without space for an answer, so that a request to reset it waits in the port.
+fn with_a_packet_that_waits() -> Host {
     let mut host = Host::new();
     host.open_port();
     while host.drive.receive(&hello(), &host.clock) == hello().len() {}
     host.submit(&HostMessage::from(Reset {}).frame());
     host.port.poll();
     assert!(host.port.has_received(), "the drive has no space for an answer");
+    host
+}
+
+#[test]
+fn bytes_that_wait_for_a_drive_are_served_after_closing() {
+    let mut host = with_a_packet_that_waits();
     host.submit_dtr(false);
     host.serve();
     assert_eq!(host.drive.state(), State::Boot);
@@ -121,12 +127,7 @@ fn a_suspended_bus_discards_output_and_resumes_open() {
 
 #[test]
 fn a_reset_detaches_and_drops_a_packet_that_waits() {
-    let mut host = Host::new();
-    host.open_port();
-    while host.drive.receive(&hello(), &host.clock) == hello().len() {}
-    host.submit(&HostMessage::from(Reset {}).frame());
-    host.port.poll();
-    assert!(host.port.has_received(), "the drive has no space for an answer");
+    let mut host = with_a_packet_that_waits();
     host.signal(BusEvent::Reset);
     assert_eq!(host.port.host_side(), HostSide::Detached);
     assert_eq!(host.drive.state(), State::Idle, "a request from before the reset is not followed");

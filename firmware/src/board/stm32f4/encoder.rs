@@ -6,12 +6,7 @@ use stm32f4xx_hal::gpio::ReadPin;
 use stm32f4xx_hal::pac::tim3::RegisterBlock;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::parts::EncoderInput;
-use crate::input_filter::FILTERS_NS;
-
-/// The filters of [`FILTERS_NS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a
-/// 16th and a 32nd.
-const FILTERS: [u8; FILTERS_NS.len()] = [0b0010, 0b0011, 0b0100, 0b0101, 0b0111, 0b1001, 0b1100, 0b1111];
+use crate::board::parts::{ENCODER_FILTERS, EncoderInput};
 
 /// The timer of an encoder and the pins of both channels.
 pub struct Encoder<T, A, B> {
@@ -20,17 +15,24 @@ pub struct Encoder<T, A, B> {
     b: B,
 }
 
-impl<T: Deref<Target = RegisterBlock> + Enable + Reset, A, B> Encoder<T, A, B> {
+impl<T, A, B> Encoder<T, A, B>
+where
+    T: Deref<Target = RegisterBlock> + Enable + Reset + Send + 'static,
+    A: ReadPin + Send + 'static,
+    B: ReadPin + Send + 'static,
+{
     /// Counts every edge of both channels (RM0090 18.3.12). `a` and `b` are connected to channels 1 and 2 of the timer.
     pub(super) fn new(timer: T, (a, b): (A, B), rcc: &mut Rcc) -> Self {
         T::enable(rcc);
         T::reset(rcc);
-        timer.ccmr1_input().write(|w| w.cc1s().ti1().cc2s().ti2());
+        let mut encoder = Self { timer, a, b };
+        encoder.set_filter(0);
+        let timer = &encoder.timer;
         timer.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit());
         timer.smcr().write(|w| w.sms().encoder_mode_3());
         timer.arr().write(|w| w.arr().set(u16::MAX));
         timer.cr1().write(|w| w.cen().enabled());
-        Self { timer, a, b }
+        encoder
     }
 }
 
@@ -41,7 +43,7 @@ where
     B: ReadPin + Send + 'static,
 {
     fn set_filter(&mut self, filter: usize) {
-        let Some(code) = FILTERS.get(filter) else { return };
+        let Some(code) = ENCODER_FILTERS.get(filter) else { return };
         self.timer.ccmr1_input().write(|w| {
             w.cc1s().ti1().ic1f().set(*code);
             w.cc2s().ti2().ic2f().set(*code)

@@ -45,7 +45,6 @@ impl Chip for Stm32f4 {
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
-    const SERVE: Interrupt = Interrupt::OTG_FS;
     // RM0090 2.4, system memory.
     const ROM: u32 = 0x1fff_0000;
     const ROM_VECTORS: u32 = 0;

@@ -28,7 +28,7 @@ macro_rules! period_timer {
 
         impl PeriodTimer for $name {
             fn restart(&mut self, period_us: u32) {
-                self.0.arr().write(|w| w.set(period_us - 1));
+                self.0.arr().write(|w| w.set(period_us.saturating_sub(1)));
                 self.0.egr().write(|w| w.ug().update());
             }
 

@@ -23,17 +23,22 @@ pub(super) fn start(rcc: RCC, pwr: PWR, syscfg: &SYSCFG, timer: &TIM16) -> (Ccdr
     rcc.cr.modify(|_, w| w.hseon().on());
     let steady = (0..CRYSTAL_POLLS).any(|_| rcc.cr.read().hserdy().is_ready());
     let crystal = if steady {
-        // From here on a crystal that stops is a break of TIM1, and a non-maskable interrupt, which switches off too. Only a reset
-        // turns this off again, so a crystal of another frequency stays on.
-        rcc.cr.modify(|_, w| w.hsecsson().on());
         LsiStopwatch::start(&rcc, timer).and_then(crystal_hz).ok_or(Unusable::UnknownFrequency)
     } else {
-        rcc.cr.modify(|_, w| w.hseon().off());
         Err(Unusable::Silent)
     };
+    if crystal.is_ok() {
+        // From here on a crystal that stops is a break of TIM1, and a non-maskable interrupt, which switches off too. Only a reset
+        // turns this off again.
+        rcc.cr.modify(|_, w| w.hsecsson().on());
+    } else {
+        rcc.cr.modify(|_, w| w.hseon().off());
+    }
+    // The transceiver of another speed, which isn't there, has a clock that the core would wait for in its sleep.
+    rcc.ahb1lpenr.modify(|_, w| w.usb2otghsulpilpen().clear_bit());
     let config = rcc
         .constrain()
-        .pll1_strategy(PllConfigStrategy::Iterative)
+        .pll1_strategy(PllConfigStrategy::Fractional)
         .sys_ck(CORE_HZ.Hz())
         .hclk(CORE_HZ.Hz())
         .pclk1((CORE_HZ / 4).Hz())
@@ -46,6 +51,7 @@ pub(super) fn start(rcc: RCC, pwr: PWR, syscfg: &SYSCFG, timer: &TIM16) -> (Ccdr
         Ok(hz) => (config.use_hse(hz.Hz()), ClockSource::Crystal),
         Err(why) => (config, ClockSource::InternalOscillator(why)),
     };
+    // 25 MHz give 168 MHz to 1 ppm, the others exactly.
     let mut tree = config.freeze(pwr.constrain().freeze(), syscfg);
     tree.peripheral.kernel_usb_clk_mux(UsbClkSel::Pll1Q);
     (tree, source)
@@ -55,12 +61,22 @@ pub(super) fn start(rcc: RCC, pwr: PWR, syscfg: &SYSCFG, timer: &TIM16) -> (Ccdr
 /// can't change while it is on (RM0433 8.5.5), and have its peripherals at the pins.
 #[inline(never)]
 fn reset(rcc: &RCC) {
-    rcc.cr.modify(|_, w| w.hsion().on().hsidiv().div1());
+    rcc.cr.modify(|_, w| w.hsion().on());
     while rcc.cr.read().hsirdy().is_not_ready() {}
     rcc.cfgr.reset();
     while !rcc.cfgr.read().sws().is_hsi() {}
     rcc.cr.modify(|_, w| w.pll1on().off().pll2on().off().pll3on().off().hseon().off());
-    while rcc.cr.read().pll1rdy().is_ready() {}
+    while [rcc.cr.read().pll1rdy(), rcc.cr.read().pll2rdy(), rcc.cr.read().pll3rdy()]
+        .iter()
+        .any(|it| it.bit_is_set())
+    {}
+    // A divider that a PLL uses can't change.
+    rcc.cr.modify(|_, w| w.hsidiv().div1());
+    // Clocks of the peripherals.
+    rcc.d1ccipr.reset();
+    rcc.d2ccip1r.reset();
+    rcc.d2ccip2r.reset();
+    rcc.d3ccipr.reset();
     rcc.d1cfgr.reset();
     rcc.d2cfgr.reset();
     rcc.d3cfgr.reset();

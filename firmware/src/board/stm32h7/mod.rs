@@ -46,7 +46,6 @@ impl Chip for Stm32h7 {
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
-    const SERVE: Interrupt = Interrupt::OTG_FS;
     const ROM: u32 = 0x1ff0_9800;
     // Nothing maps the ROM to address 0, where the loader of another family has its vectors.
     const ROM_VECTORS: u32 = Self::ROM;
@@ -58,6 +57,11 @@ impl Chip for Stm32h7 {
     fn show_rom(_device: &Peripherals) {}
 
     fn start(device: Peripherals, _: bool, usb: &'static mut UsbMemory<usb::Bus>) -> Started<Self> {
+        // SAFETY: nothing else uses the register, and no task has run.
+        #[allow(unsafe_code)]
+        let mut processor = unsafe { cortex_m::Peripherals::steal() };
+        // The flash has wait states. Variables are in memory that needs no cache.
+        processor.SCB.enable_icache();
         let Peripherals { RCC, PWR, SYSCFG, TIM16, GPIOA, GPIOC, GPIOD, GPIOE, USART3, .. } = device;
         let (tree, clock) = clock_tree::start(RCC, PWR, &SYSCFG, &TIM16);
         let (clocks, blocks) = (tree.clocks, tree.peripheral);

@@ -38,11 +38,11 @@ impl Receiver for Rx<USART3> {
         let status = registers().isr.read();
         let is_wrong = status.fe().bit_is_set() || status.nf().bit_is_set();
         if is_wrong || status.ore().bit_is_set() {
+            registers().icr.write(|w| w.fecf().clear().ncf().clear().orecf().clear());
             if is_wrong {
-                // A byte with an error is in the FIFO like any other.
+                // A byte with an error is in the FIFO like any other. Reading it shows the flags of the next one.
                 let _ = registers().rdr.read();
             }
-            registers().icr.write(|w| w.fecf().clear().ncf().clear().orecf().clear());
             return Err(LineError);
         }
         Ok(status.rxne().bit_is_set().then(|| registers().rdr.read().rdr().bits() as u8))

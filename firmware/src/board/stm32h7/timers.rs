@@ -32,7 +32,7 @@ impl<T: Deref<Target = RegisterBlock>> Timer<T> {
 
 impl<T: Deref<Target = RegisterBlock> + Send + 'static> PeriodTimer for Timer<T> {
     fn restart(&mut self, period_us: u32) {
-        self.0.arr.write(|w| w.arr().bits(period_us - 1));
+        self.0.arr.write(|w| w.arr().bits(period_us.saturating_sub(1)));
         self.0.egr.write(|w| w.ug().update());
     }
 
