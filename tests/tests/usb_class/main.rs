@@ -95,7 +95,7 @@ fn bytes_sent_just_ahead_of_closing_are_served() {
 }
 
 /// A host of a drive without space for an answer, so that a request to reset it waits in the port.
-fn with_a_packet_that_waits() -> Host {
+fn with_a_packet_that_waits() -> UsbHost {
     let mut host = Host::new();
     host.open_port();
     while host.drive.receive(&hello(), &host.clock) == hello().len() {}
