@@ -66,10 +66,9 @@ fn reset(rcc: &RCC) {
     rcc.cfgr.reset();
     while !rcc.cfgr.read().sws().is_hsi() {}
     rcc.cr.modify(|_, w| w.pll1on().off().pll2on().off().pll3on().off().hseon().off());
-    while [rcc.cr.read().pll1rdy(), rcc.cr.read().pll2rdy(), rcc.cr.read().pll3rdy()]
-        .iter()
-        .any(|it| it.bit_is_set())
-    {}
+    while rcc.cr.read().pll1rdy().is_ready() {}
+    while rcc.cr.read().pll2rdy().is_ready() {}
+    while rcc.cr.read().pll3rdy().is_ready() {}
     // A divider that a PLL uses can't change.
     rcc.cr.modify(|_, w| w.hsidiv().div1());
     // Clocks of the peripherals.
