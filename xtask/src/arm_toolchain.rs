@@ -80,7 +80,7 @@ pub(crate) fn programs() -> Result<Vec<Program>> {
 }
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
-const DEBIAN_CARGO_CLIPPY: &str = "/usr/bin/cargo-clippy";
+const DEBIAN_CLIPPY: &str = "/usr/bin/clippy-driver";
 
 pub(crate) enum ArmToolchain {
     WithCore,
@@ -110,24 +110,24 @@ impl ArmToolchain {
         self.for_board(cargo("build"), program)
     }
 
-    /// `cargo clippy` of a program for its board.
+    /// Clippy of a program for its board, as a build: `cargo clippy` would check the dependencies of the image anew.
     ///
     /// # Errors
     /// This compiler has no clippy.
     pub(crate) fn clippy(&self, program: &Program) -> Result<Command> {
-        let clippy = match self {
-            Self::WithCore => cargo("clippy"),
-            Self::CoreFromSource { .. } => {
-                ensure!(
-                    Path::new(DEBIAN_CARGO_CLIPPY).exists(),
-                    "Debian's compiler has no clippy here: install rust-web-clippy"
-                );
-                // Called by its path: `cargo clippy` would find the one of rustup's compiler.
-                command(DEBIAN_CARGO_CLIPPY, "clippy")
-            }
+        let driver = match self {
+            Self::WithCore => "clippy-driver",
+            Self::CoreFromSource { .. } => DEBIAN_CLIPPY,
         };
-        let mut clippy = self.for_board(clippy, program);
-        clippy.args(["--", "-D", "warnings"]);
+        let is_there = first_line(&mut command(driver, "--version")).is_some();
+        ensure!(
+            is_there,
+            "no clippy for the Arm image: {driver} doesn't start; on Debian install rust-web-clippy"
+        );
+        let mut clippy = self.build(program);
+        clippy.env("RUSTC_WORKSPACE_WRAPPER", driver);
+        // As `cargo clippy -- -D warnings` passes it.
+        clippy.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
         Ok(clippy)
     }
 

@@ -1,6 +1,6 @@
 //! The seam between the drive and a chip: what a chip family has to have. Everything else of the board is the same on each.
 //!
-//! Its interrupts are by name: `image!` binds tasks to TIM2, TIM5, EXTI0 and OTG_FS. Nothing reads the cause of a reset.
+//! Its interrupts are by name: `image!` binds tasks to TIM2, TIM5, EXTI0 and OTG_FS.
 //!
 //! A family is a folder: an implementation of [`Chip`] with its [`parts`](super::parts), and a file per board with its pins. The folder
 //! of the fitted board is the only code with registers of peripherals; the processor's own are used outside too.
@@ -52,6 +52,10 @@ pub trait Chip: Sized + 'static {
 
     /// Whether this is QEMU, with neither clock tree nor timers.
     fn is_emulated(device: &Self::Peripherals) -> bool;
+
+    /// Whether the independent watchdog caused the last reset. The chip forgets the cause, which it would otherwise keep until power
+    /// goes.
+    fn take_watchdog_reset(device: &Self::Peripherals) -> bool;
 
     /// Maps the ROM to where the loader expects it.
     fn show_rom(device: &Self::Peripherals);

@@ -106,6 +106,7 @@ pub fn start<L: LawSet>(
     if !is_emulated {
         loader::follow_request(&device);
     }
+    let by_watchdog = !is_emulated && Fitted::take_watchdog_reset(&device);
     // After the loader, whose own variables are there.
     stack_guard::start(mpu);
     let Memory { queues, usb } = memory;
@@ -117,7 +118,7 @@ pub fn start<L: LawSet>(
     let (usart, uart) = link::open(link, queues, transmission);
     let lines = Lines::new(uart, usb);
     let (clock, ticker) = device_clock::start(syst);
-    let (drive, bench) = match (source, bench) {
+    let (mut drive, bench) = match (source, bench) {
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
         (_, Some(Bench { motor, load, stage, tick, monitor })) => {
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
@@ -132,5 +133,8 @@ pub fn start<L: LawSet>(
             (drive, None)
         }
     };
+    if by_watchdog {
+        drive.log(LogLevel::Warning, &["the watchdog reset the drive"]);
+    }
     Board { drive, bench, clock, ticker, usart, lines }
 }

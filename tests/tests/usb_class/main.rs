@@ -7,7 +7,7 @@ use host::{Host, UsbHost};
 use lashloop_firmware::usb::{HostSide, PACKET_BYTES};
 use lashloop_protocol::counts::EncoderCounts;
 use lashloop_protocol::enums::State;
-use lashloop_protocol::message::{ClearFault, EncoderSample, Hello, Reset};
+use lashloop_protocol::message::{ClearFault, EncoderSample, Hello, Reset, Stop};
 use lashloop_protocol::{HostMessage, Message};
 use tests::usb::bus::BusEvent;
 
@@ -65,13 +65,16 @@ fn output_waits_in_packets_of_64_bytes() {
 
 #[test]
 fn the_drive_answers_as_on_any_other_line() {
-    let mut host = Host::new();
+    let (mut host, mut direct) = (Host::new(), Host::new());
     host.open_port();
-    host.send(&hello());
-    let answer = host.receive(TRANSFER).expect("an answer");
-    let mut direct = Host::new();
-    direct.drive.receive(&hello(), &direct.clock);
-    assert_eq!(answer, direct.drive.output());
+    // The answer to `Stop` counts the frames, whole and damaged.
+    for request in [hello(), HostMessage::from(Stop {}).frame().to_vec()] {
+        host.send(&request);
+        let answer = host.receive(TRANSFER).expect("an answer");
+        direct.drive.clear_output();
+        direct.drive.receive(&request, &direct.clock);
+        assert_eq!(answer, direct.drive.output());
+    }
 }
 
 #[test]

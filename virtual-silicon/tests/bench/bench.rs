@@ -29,6 +29,9 @@ pub const TICK_OPTION: u64 = 0x4000_0c50;
 /// Time from power-up to the first turn of the surroundings.
 const FIRST_TURN: Duration = Duration::from_micros(50);
 
+/// A board of each chip family.
+pub const OF_EACH_FAMILY: [&str; 2] = [boards::DEFAULT, "nucleo-h743zi"];
+
 /// The drive's image, as `cargo xtask image` builds it.
 pub fn image() -> Symbols {
     image_of(boards::DEFAULT)

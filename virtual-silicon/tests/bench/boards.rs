@@ -174,4 +174,12 @@ fn counts_drives_and_stops(board: &str) {
         host.run_under_torque();
     }
     assert_eq!(host.shake_hands(SESSION).board.as_str(), board);
+    let period = host.bench.act(|chip, _| chip.modulation_period());
+    assert_eq!(period, Some(Duration::from_micros(50)), "{board}");
+    assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+    // An update would turn on again what software alone may.
+    host.bench.advance(Duration::from_millis(1));
+    let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
+    assert!(!bridge.has_main_output && !bridge.has_active_gate, "{board}: {bridge:?}");
+    assert_eq!(levels, (Some(false), false), "{board}: driven low, not open");
 }

@@ -3,11 +3,12 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::State;
-use lashloop_protocol::message::{EncoderSample, Hello};
+use lashloop_protocol::message::{DescribeLaw, EncoderSample, Hello};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
-use lashloop_silicon::thumb::{Code, FOREVER};
+use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS};
 
-use crate::bench::{Bench, image, image_of};
+use crate::bench::{Bench, OF_EACH_FAMILY, image, image_of};
+use crate::failures::{failing, place};
 use crate::host::{Host, SESSION};
 
 /// Mean period of the tick in 0.2 s after power-up, and the number of periods.
@@ -45,11 +46,7 @@ fn the_image_boots_from_every_known_crystal_at_one_speed_with_every_pin_connecte
 fn a_crystal_of_another_frequency_is_not_used() {
     for crystal_hz in [4_000_000, 7_500_000, 8_600_000, 10_000_000, 14_000_000, 20_000_000] {
         let mut host = Host::of(Bench::with_crystal(&image(), crystal_hz));
-        let logs = host.take(|message| match message {
-            DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
-            _ => None,
-        });
-        assert_eq!(logs, ["no known crystal: clock 1% RC, no bench mode"], "{crystal_hz} Hz");
+        assert_eq!(logs(&mut host), ["no known crystal: clock 1% RC, no bench mode"], "{crystal_hz} Hz");
         assert!(host.bench.act(|chip, _| chip.clocks_are_internal()), "{crystal_hz} Hz");
         assert!(!host.names().iter().any(|name| name == "sample_source"), "{crystal_hz} Hz");
     }
@@ -57,9 +54,11 @@ fn a_crystal_of_another_frequency_is_not_used() {
 
 #[test]
 fn a_core_halted_by_a_debugger_stops_the_pwm_and_not_the_watchdog() {
-    let mut bench = Bench::power_up(&image(), (0, 0));
-    bench.advance(Duration::from_millis(200));
-    assert_eq!(bench.act(|chip, _| chip.halted_by_debugger()), (true, true));
+    for board in OF_EACH_FAMILY {
+        let mut bench = Bench::power_up(&image_of(board), (0, 0));
+        bench.advance(Duration::from_millis(200));
+        assert_eq!(bench.act(|chip, _| chip.halted_by_debugger()), (true, true), "{board}");
+    }
 }
 
 #[test]
@@ -67,10 +66,7 @@ fn a_booted_drive_is_off_and_describes_its_bench_mode() {
     let mut host = Host::of(Bench::power_up(&image(), (0, 0)));
     let identity = host.shake_hands(SESSION);
     assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
-    assert_eq!(
-        host.take(|message| matches!(message, lashloop_protocol::DriveMessage::Log(_)).then_some(())),
-        []
-    );
+    assert_eq!(logs(&mut host), [""; 0]);
     let changes = host.bench.act(|_, site| site.log.bridge.clone());
     assert!(changes.iter().all(|(_, bridge)| !bridge.is_enabled && !bridge.has_main_output), "{changes:?}");
 }
@@ -97,12 +93,44 @@ fn a_reset_by_its_pin_turns_the_bridge_off_and_boots_an_idle_drive() {
 
 #[test]
 fn the_first_timeout_of_the_watchdog_is_as_short_as_the_later_ones() {
-    let stuck = image().with_code("SysTick", |_| Code::default().halfword(FOREVER)).expect("the task");
-    let mut bench = Bench::power_up(&stuck, (0, 0));
-    bench.allow_resets();
-    bench.advance(Duration::from_millis(20));
-    let resets = bench.act(|chip, _| chip.resets());
-    assert!((2..=4).contains(&resets), "{resets} resets");
+    for board in OF_EACH_FAMILY {
+        let stuck = Code::default().halfword(FOREVER);
+        let stuck = image_of(board).with_code("SysTick", |_| stuck.clone()).expect("the task");
+        let mut bench = Bench::power_up(&stuck, (0, 0));
+        bench.allow_resets();
+        bench.advance(Duration::from_millis(25));
+        let resets = bench.act(|chip, _| chip.resets());
+        assert!((2..=4).contains(&resets), "{board}: {resets} resets");
+    }
+}
+
+#[test]
+fn a_drive_that_its_watchdog_reset_reports_it_once() {
+    for board in OF_EACH_FAMILY {
+        let mut host = Host::at(&failing(&image_of(board)), (0, 0));
+        host.bench.allow_resets();
+        host.expects_cut_frame = true;
+        assert_eq!(logs(&mut host), [""; 0], "{board}");
+        place(&mut host, &Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER]));
+        host.send(DescribeLaw { index: 0 });
+        // The watchdog's timeout, and the start.
+        host.bench.advance(Duration::from_millis(40));
+        host.shake_hands(SESSION);
+        assert_eq!(logs(&mut host), ["the watchdog reset the drive"], "{board}");
+        host.bench.act(|chip, _| chip.reset());
+        host.bench.advance(Duration::from_millis(20));
+        host.shake_hands(SESSION);
+        assert_eq!(logs(&mut host), [""; 0], "{board}");
+        assert_eq!(host.bench.act(|chip, _| chip.resets()), 2, "{board}");
+    }
+}
+
+/// Texts that the drive has logged.
+fn logs(host: &mut Host) -> Vec<String> {
+    host.take(|message| match message {
+        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
+        _ => None,
+    })
 }
 
 /// The drive as after power-up, but no motor turns.
@@ -112,11 +140,7 @@ fn without_a_crystal_the_drive_reports_it_and_has_no_bench_mode() {
     // 0.1 s of waiting for the crystal.
     bench.advance(Duration::from_millis(180));
     let mut host = Host::of(bench);
-    let logs = host.take(|message| match message {
-        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
-        _ => None,
-    });
-    assert_eq!(logs, ["no crystal: clock 1% RC, no bench mode"]);
+    assert_eq!(logs(&mut host), ["no crystal: clock 1% RC, no bench mode"]);
     let identity = host.shake_hands(SESSION);
     assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
     let names = host.names();

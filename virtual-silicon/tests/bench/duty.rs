@@ -6,7 +6,7 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{BenchSample, Stop};
 use lashloop_silicon::pins::Bridge;
 
-use crate::bench::{image, odrive_image};
+use crate::bench::{OF_EACH_FAMILY, image, image_of, odrive_image};
 use crate::host::{BENCH, Host};
 
 const OFF: Bridge = Bridge {
@@ -151,22 +151,24 @@ fn a_run_after_a_saturated_one_begins_without_torque() {
 }
 
 #[test]
-fn two_half_bridges_of_a_bare_board_never_conduct_at_once() {
-    let mut host = Host::running(&image(), &[("stage_mode", ParameterValue::U32(5))]);
-    // 84 cycles of 168 MHz.
-    let dead_time = 84.0 / 8_400.0;
-    for reference_rad in [0.0, 0.2, -0.4] {
-        let sample = *host.steps(3, reference_rad).last().expect("samples");
-        let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
-        let halves = host.bench.act(|chip, _| chip.half_bridges());
-        for ([high, low], duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
-            let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
-            assert!((high - (duty - dead_time)).abs() < 3.0 * RESOLUTION, "{high}, {duty}");
-            assert!((low - (1.0 - duty - dead_time)).abs() < 3.0 * RESOLUTION, "{low}, {duty}");
+fn two_half_bridges_never_conduct_at_once() {
+    for board in OF_EACH_FAMILY {
+        let mut host = Host::running(&image_of(board), &[("stage_mode", ParameterValue::U32(5))]);
+        // 84 cycles of 168 MHz.
+        let dead_time = 84.0 / 8_400.0;
+        for reference_rad in [0.0, 0.2, -0.4] {
+            let sample = *host.steps(3, reference_rad).last().expect("samples");
+            let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
+            let halves = host.bench.act(|chip, _| chip.half_bridges());
+            for ([high, low], duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
+                let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
+                assert!((high - (duty - dead_time)).abs() < 3.0 * RESOLUTION, "{high}, {duty}");
+                assert!((low - (1.0 - duty - dead_time)).abs() < 3.0 * RESOLUTION, "{low}, {duty}");
+            }
         }
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+        assert_eq!(host.bench.act(|chip, _| chip.half_bridges()), [[None; 2]; 2]);
     }
-    assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
-    assert_eq!(host.bench.act(|chip, _| chip.half_bridges()), [[None; 2]; 2]);
 }
 
 #[test]
@@ -204,6 +206,23 @@ fn the_duty_follows_a_torque_within_two_cycles_of_the_modulation() {
     let change = bridge.iter().find(|(at, _)| at > tick).expect("another duty");
     let delay = change.0 - *tick;
     assert!(delay <= Duration::from_micros(100), "{delay:?}");
+}
+
+/// In the middle of a cycle it would make one pulse of neither torque.
+#[test]
+fn a_duty_changes_at_the_start_of_a_cycle() {
+    const CYCLE_NS: u128 = 50_000;
+    // The steps meet many phases of the cycle.
+    let mut host = Host::running(&image(), &[("period_us", ParameterValue::U32(997))]);
+    let begun = host.bench.now();
+    for reference_rad in [0.3, -0.3].repeat(30) {
+        host.steps(1, reference_rad);
+    }
+    let bridge = host.bench.act(|_, site| site.log.bridge.clone());
+    let changes = bridge.windows(2).filter(|pair| pair[0].0 > begun && pair[0].1.duty != pair[1].1.duty);
+    let phases: Vec<_> = changes.map(|pair| pair[1].0.as_nanos() % CYCLE_NS).collect();
+    assert!(phases.len() >= 50, "{phases:?}");
+    assert!(phases.iter().all(|phase| phase.abs_diff(phases[0]) < 100), "{phases:?}");
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! Two functions of an image jump to a place in RAM, where a test puts the code of a failure. So one image serves all failures.
 
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::thumb::{Code, FOREVER, RETURN, UNDEFINED};
+use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, RETURN, UNDEFINED};
+
+use crate::host::Host;
 
 /// The answer to a request that no run needs.
 const SITE: &str = "send_description";
@@ -22,6 +24,16 @@ pub fn failing(image: &Symbols) -> Symbols {
     [SITE, FUNCTION].into_iter().fold(image.clone(), |image, function| {
         image.with_code(function, |_| Code::default().jump(PLACE.into())).expect("a function of the image")
     })
+}
+
+/// Puts code into [`PLACE`].
+pub fn place(host: &mut Host, code: &Code) {
+    let words = code.words();
+    host.bench.act(move |chip, _| {
+        for (address, word) in (PLACE..).step_by(4).zip(words) {
+            chip.set_word(address.into(), word).expect("memory");
+        }
+    });
 }
 
 /// A panic of core with the location of a line of its own.
@@ -80,6 +92,12 @@ pub fn never_ending() -> Code {
 pub fn taking_time() -> Code {
     // ldr r1, [r0]; movs r2, #0; str r2, [r0]; cbz r1, 1f; 2: subs r1, #1; bne 2b; 1:
     Code::default().load(0, FLAG).halfwords(&[0x6801, 0x2200, 0x6002, 0xb109, 0x3901, 0xd1fd, RETURN])
+}
+
+/// 40,000 loops with interrupts masked, at least 0.4 ms.
+pub fn masking_interrupts() -> Code {
+    // subs r0, #1; bne; cpsie i
+    Code::default().halfword(MASK_INTERRUPTS).load(0, 40_000).halfwords(&[0x3801, 0xd1fd, 0xb662, RETURN])
 }
 
 /// Clears the control register of the tick's timer.

@@ -10,6 +10,7 @@ mod duty;
 mod encoders;
 mod failures;
 mod host;
+mod line;
 mod loader;
 mod machine;
 mod mutants;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, State};
 
-use crate::bench::image;
+use crate::bench::{OF_EACH_FAMILY, image, image_of};
 use crate::causes::{CAUSES, Cause, cause};
 use crate::failures::{PANIC_LINE, PLACE};
 use crate::host::Host;
@@ -98,14 +98,16 @@ fn compare_with_docs(cause: &Cause, measured: &[Duration]) -> Vec<String> {
 
 #[test]
 fn a_crystal_that_stops_turns_the_bridge_off_without_software() {
-    let mut host = Host::under_torque(&image(), PERIODS[0]);
-    let at = host.bench.act(|chip, _| {
-        chip.stop_crystal();
-        chip.now()
-    });
-    host.bench.advance(Duration::from_micros(1));
-    let off = host.bench.time_to_off(at);
-    assert!(off.is_some_and(|off| off < Duration::from_micros(1)), "{off:?}");
+    for board in OF_EACH_FAMILY {
+        let mut host = Host::under_torque(&image_of(board), PERIODS[0]);
+        let at = host.bench.act(|chip, _| {
+            chip.stop_crystal();
+            chip.now()
+        });
+        host.bench.advance(Duration::from_micros(1));
+        let off = host.bench.time_to_off(at);
+        assert!(off.is_some_and(|off| off < Duration::from_micros(1)), "{board}: {off:?}");
+    }
 }
 
 #[test]
@@ -129,7 +131,13 @@ fn a_tick_that_is_missing_from_the_start_on_turns_the_bridge_off() {
 
 #[test]
 fn the_report_of_a_fatal_failure_has_its_place() {
-    for (name, detail) in [("panic", PANIC_LINE), ("HardFault", PLACE), ("unexpected interrupt", TIM7)] {
+    for (name, detail) in [
+        ("panic", PANIC_LINE),
+        ("HardFault", PLACE),
+        // Its place would be on the stack.
+        ("stack overflow", 0),
+        ("unexpected interrupt", TIM7),
+    ] {
         assert_eq!(report_of(cause(name)).detail, detail, "{name}");
     }
 }

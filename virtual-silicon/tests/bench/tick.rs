@@ -213,6 +213,10 @@ fn ticks_of_1_and_4_khz_are_in_time_with_a_busy_line() {
         assert!(
             samples.windows(2).all(|pair| pair[1].sequence.wrapping_sub(pair[0].sequence) == every as u16)
         );
+        assert!(
+            samples.iter().any(|sample| sample.lateness_tenths_us > 0),
+            "{khz} kHz: a step waits for requests"
+        );
         let compute = samples.iter().map(|sample| sample.compute_tenths_us).max().expect("samples");
         let [least, median, p99, most] = distribution(lateness);
         let [_, _, p99_period, most_period] = distribution(periods);
@@ -258,4 +262,18 @@ fn a_step_that_meets_the_start_of_a_millisecond_is_in_time() {
         2 * least > median && most < 3 * median,
         "a step takes {least} to {most} tenths of a us, median {median}"
     );
+}
+
+/// SysTick with one cycle too many would gain 18 us in 3 s.
+#[test]
+fn device_time_is_that_of_the_crystal() {
+    let mut host = Host::at(&image(), (0, 0));
+    let mut ahead_us = || {
+        let now = host.bench.now();
+        let device_time_us = host.shake_hands(SESSION).device_time_us.expect("a device time");
+        host.bench.advance(Duration::from_secs(3));
+        i64::from(device_time_us) - now.as_micros() as i64
+    };
+    let [first, last] = [ahead_us(), ahead_us()];
+    assert!(first.abs_diff(last) <= 6, "device time is {first} us and 3 s later {last} us ahead");
 }

@@ -9,7 +9,7 @@ use lashloop_silicon::symbols::Symbols;
 
 use crate::bench::image;
 use crate::causes::{Cause, fail, last_tick};
-use crate::failures::{PLACE, failing};
+use crate::failures::{failing, place};
 use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
@@ -36,12 +36,7 @@ impl Cause {
     /// Puts the failure into its place.
     pub fn place(&self, host: &mut Host, image: &Symbols) {
         let Some(code) = self.code else { return };
-        let words = code(image).words();
-        host.bench.act(move |chip, _| {
-            for (address, word) in (PLACE..).step_by(4).zip(words) {
-                chip.set_word(address.into(), word).expect("memory");
-            }
-        });
+        place(host, &code(image));
     }
 
     /// Device time from the cause to the bridge off in this image, at each of these control periods and fractions of it after a

@@ -54,6 +54,12 @@ impl Chip for Stm32f4 {
         device.DBGMCU.idcode().read().bits() == 0
     }
 
+    fn take_watchdog_reset(device: &Peripherals) -> bool {
+        let is_cause = device.RCC.csr().read().wdgrstf().is_reset();
+        device.RCC.csr().modify(|_, w| w.rmvf().clear());
+        is_cause
+    }
+
     /// The loader takes its vectors from address 0.
     fn show_rom(device: &Peripherals) {
         // Until the clock has arrived, SYSCFG ignores a write (ES0182 2.2.13).

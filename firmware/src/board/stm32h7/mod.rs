@@ -54,6 +54,12 @@ impl Chip for Stm32h7 {
         false
     }
 
+    fn take_watchdog_reset(device: &Peripherals) -> bool {
+        let is_cause = device.RCC.rsr.read().iwdg1rstf().bit_is_set();
+        device.RCC.rsr.modify(|_, w| w.rmvf().set_bit());
+        is_cause
+    }
+
     fn show_rom(_device: &Peripherals) {}
 
     fn start(device: Peripherals, _: bool, usb: &'static mut UsbMemory<usb::Bus>) -> Started<Self> {
