@@ -243,6 +243,14 @@ macro_rules! direction {
             fn from(payload: $variant) -> Self {
                 Self::$variant(payload)
             }
+        }
+
+        impl TryFrom<&$name> for $variant {
+            type Error = ();
+
+            fn try_from(message: &$name) -> Result<Self, ()> {
+                if let $name::$variant(payload) = message { Ok(*payload) } else { Err(()) }
+            }
         })+
 
         impl $crate::message::Message for $name {

@@ -16,27 +16,64 @@ const PUPDR: u64 = 0x0c;
 const IDR: u64 = 0x10;
 const AFRL: u64 = 0x20;
 
-/// The levels that the timers have been given; `None` for an input after a reset.
+/// What the timers have been given.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Inputs([Option<Level>; Wiring::INPUTS]);
+pub(crate) struct Inputs {
+    inputs: [Input; Wiring::INPUTS],
+    /// Whether the image has written nothing since.
+    is_settled: bool,
+}
+
+/// One input of a timer.
+#[derive(Debug, Clone, Copy, Default)]
+struct Input {
+    is_connected: bool,
+    /// Its level; `None` after a reset.
+    level: Option<Level>,
+}
 
 impl Inputs {
-    /// Gives the timers the levels of their pins at an instant.
+    /// The image has written to a register: it may have connected a pin, or changed its resistor.
+    pub(crate) fn note_write(&mut self) {
+        self.is_settled = false;
+    }
+
+    /// Gives the timers the levels of their pins at an instant, if the image may have changed them.
     pub(crate) fn settle(&mut self, chip: &mut Chip, wiring: &Wiring, at: VirtualNanos) {
-        for ((pin, input), known) in wiring.inputs().zip(&mut self.0) {
-            if !is_connected(chip, pin) {
-                continue;
+        if std::mem::replace(&mut self.is_settled, true) {
+            return;
+        }
+        for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
+            input.is_connected = is_connected(chip, pin);
+            input.follow(chip, (pin, timer), at);
+        }
+    }
+
+    /// Gives a timer the level of a pin that the board drives.
+    pub(crate) fn follow(&mut self, chip: &mut Chip, wiring: &Wiring, driven: Pin, at: VirtualNanos) {
+        self.settle(chip, wiring, at);
+        for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
+            if pin == driven {
+                input.follow(chip, (pin, timer), at);
             }
-            let level = Level::from(is_high(chip, pin));
-            if known.replace(level) == Some(level) {
-                continue;
+        }
+    }
+}
+
+impl Input {
+    fn follow(&mut self, chip: &mut Chip, (pin, timer): (Pin, TimerInput), at: VirtualNanos) {
+        if !self.is_connected {
+            return;
+        }
+        let level = Level::from(is_high(chip, pin));
+        if self.level.replace(level) == Some(level) {
+            return;
+        }
+        match timer {
+            TimerInput::Channel { timer, channel } => {
+                chip.part.drive_timer(at, timer, channel_of(channel), level);
             }
-            match input {
-                TimerInput::Channel { timer, channel } => {
-                    chip.part.drive_timer(at, timer, channel_of(channel), level);
-                }
-                TimerInput::Break => chip.part.drive_break(at, level),
-            }
+            TimerInput::Break => chip.part.drive_break(at, level),
         }
     }
 }

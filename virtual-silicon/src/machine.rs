@@ -105,6 +105,7 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
                 if access.kind == AccessKind::Read {
                     return;
                 }
+                self.inputs.note_write();
                 if !self.surroundings.crystal_starts() {
                     session.board_mut().hold_crystal(access.virtual_time, access.address);
                 }

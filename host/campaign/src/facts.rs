@@ -1,12 +1,13 @@
 //! What the shards of a campaign must have in common, and what runs a case again: `shard-K-of-N.json`, `campaign.json`.
 
 use std::fs;
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
-use lashloop_bench::atomic_file::{WriteError, write_whole};
+use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::run::digest;
 use lashloop_plant::Plants;
+use lashloop_record::json_file::write_json;
 use serde::{Deserialize, Serialize};
 
 use crate::campaign::{Campaign, Selection, Source};
@@ -108,10 +109,7 @@ impl Facts {
     /// # Errors
     /// The file can't be written.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
-        write_whole(path, ".facts-", |file| {
-            serde_json::to_writer_pretty(&mut *file, self)?;
-            file.write_all(b"\n")
-        })
+        write_json(path, ".facts-", self)
     }
 
     /// The first fact that differs: its name, its value in `self`, and that in `other`.

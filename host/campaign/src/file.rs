@@ -21,7 +21,7 @@ impl CampaignFile {
     /// # Errors
     /// The text isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_str(name: &str, text: &str) -> Result<Self, ScenarioErrors> {
-        settings_file::from_str(name, text, &Self::declare, |root| {
+        settings_file::from_str(name, text, |root| {
             let file = Self::read(root);
             check(root, &file);
             file
@@ -31,7 +31,7 @@ impl CampaignFile {
     /// Every key of a campaign file.
     #[must_use]
     pub fn keys() -> Keys {
-        Keys::of(Self::declare)
+        Section::keys_of(Self::read)
     }
 }
 

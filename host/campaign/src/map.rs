@@ -5,14 +5,12 @@
 
 use std::cmp::Ordering;
 
-use crate::campaign::Campaign;
 use crate::cell::{Cell, Missing};
-use crate::error::CampaignError;
 pub use crate::grid_axis::{GridAxis, PlaceError};
 use crate::limit::Limits;
 use crate::row::Columns;
 use crate::settings::{Limit, Method, Part};
-use crate::table::{Row, Table};
+use crate::table::Row;
 
 /// What of a run a map shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,27 +110,6 @@ impl Grid {
             part.axes.iter().zip(most_ticks).map(|(axis, most)| GridAxis::new(axis, most)).collect();
         let cells = vec![Runs::default(); axes.iter().map(|axis| axis.ticks.len()).product()];
         Some(Self { axes, cells })
-    }
-
-    /// The grid of a part and variant, one cell for each row; `None` as of [`of`](Self::of).
-    ///
-    /// # Errors
-    /// The table can't be read, or is not that of its campaign.
-    pub fn read(
-        table: &Table<'_>,
-        part: usize,
-        variant: usize,
-        measure: Measure,
-    ) -> Result<Option<Self>, CampaignError> {
-        let Some(mut grid) = Self::of(&table.campaign.file.parts[part], usize::MAX) else { return Ok(None) };
-        table.for_each(|row| {
-            let place = table.campaign.plan.place(row.case);
-            if (place.0, place.2) == (part, variant) {
-                grid.push(place.1, measure.of(&row).ok_or("a field is neither a number nor a reason")?);
-            }
-            Ok(())
-        })?;
-        Ok(Some(grid))
     }
 
     /// Adds a run by its row in the part.
@@ -321,19 +298,6 @@ impl Limits {
             Measure::Column(column) => self.columns.get(column).copied().flatten(),
         }
     }
-}
-
-/// The limit of a measure for the runs of a part and variant, see [`Limits`].
-///
-/// # Errors
-/// The scenario rejects a setting of the first case.
-pub fn limit_of(
-    campaign: &Campaign,
-    part: usize,
-    variant: usize,
-    measure: Measure,
-) -> Result<Option<Limit>, CampaignError> {
-    Ok(Limits::new(campaign, part, variant)?.of_measure(measure))
 }
 
 #[cfg(test)]

@@ -87,34 +87,43 @@ pub fn merge(folder: &Path) -> Result<Facts, CampaignError> {
             return Err(CampaignError::Mixed { shard: table.shard, first, what, there, here });
         }
     }
-    let mut failure = None;
-    let written = write_whole(&folder.join(RESULTS), ".results-", |file| {
+    try_write_whole(&folder.join(RESULTS), ".results-", |file| {
         let mut out = BufWriter::with_capacity(1 << 16, file);
         out.write_all(&header)?;
         for case in 0..facts.cases {
             let table = &mut tables[(case % u64::from(facts.shards)) as usize];
             match table.row(case, fields) {
                 Ok(line) => out.write_all(line)?,
-                Err(error) => {
-                    failure = Some(error);
-                    return Err(io::Error::other("a shard is malformed"));
-                }
+                Err(error) => return Ok(Err(error)),
             }
         }
         for table in &mut tables {
             if let Err(error) = table.end() {
-                failure = Some(error);
-                return Err(io::Error::other("a shard is malformed"));
+                return Ok(Err(error));
             }
         }
-        out.flush()
-    });
-    match failure {
-        Some(error) => return Err(error),
-        None => written?,
-    }
+        out.flush().map(Ok)
+    })?;
     facts.write(&folder.join(CAMPAIGN))?;
     Ok(facts)
+}
+
+/// As [`write_whole`], for a writer that also reads what may be unusable.
+///
+/// # Errors
+/// As [`write_whole`], or the error inside.
+pub(crate) fn try_write_whole(
+    path: &Path,
+    prefix: &str,
+    write: impl FnOnce(&mut File) -> io::Result<Result<(), CampaignError>>,
+) -> Result<(), CampaignError> {
+    let mut failure = None;
+    let written = write_whole(path, prefix, |file| {
+        let Err(error) = write(file)? else { return Ok(()) };
+        failure = Some(error);
+        Err(io::Error::other("what it is made of can't be read"))
+    });
+    failure.map_or_else(|| Ok(written?), Err)
 }
 
 /// The facts of the shards in a folder.

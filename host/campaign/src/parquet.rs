@@ -4,13 +4,13 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use lashloop_bench::atomic_file::write_whole;
 use lashloop_record::parquet::{Column, ParquetWriter};
 
 use crate::axis::Values;
 use crate::cell::{Cell, Missing};
 use crate::error::CampaignError;
 use crate::facts::Facts;
+use crate::merge::try_write_whole;
 use crate::row::{FIRST, LAST};
 use crate::settings::MISSING;
 use crate::table::{Row, Table};
@@ -25,34 +25,10 @@ const ROW_GROUP: u64 = 50_000;
 /// # Errors
 /// The table can't be read, or the file can't be written.
 pub fn write(table: &Table<'_>, facts: &Facts, path: &Path) -> Result<(), CampaignError> {
-    let mut failure = None;
-    let written = write_whole(path, ".results-", |file| {
-        encode(table, facts, file).map_err(|error| match error {
-            Failure::Table(error) => {
-                failure = Some(error);
-                io::Error::other("the table can't be read")
-            }
-            Failure::Write(error) => error,
-        })
-    });
-    match failure {
-        Some(error) => Err(error),
-        None => Ok(written?),
-    }
+    try_write_whole(path, ".results-", |file| encode(table, facts, file))
 }
 
-enum Failure {
-    Table(CampaignError),
-    Write(io::Error),
-}
-
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
-        Self::Write(error)
-    }
-}
-
-fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> Result<(), Failure> {
+fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> io::Result<Result<(), CampaignError>> {
     let empty = columns(table);
     let names = empty.iter().map(|(name, column)| (&**name, column));
     let metadata = facts.list().into_iter().map(|(what, value)| (format!("lashloop {what}"), value));
@@ -75,13 +51,15 @@ fn encode(table: &Table<'_>, facts: &Facts, file: &mut File) -> Result<(), Failu
         Ok(())
     });
     if let Some(error) = failure {
-        return Err(error.into());
+        return Err(error);
     }
-    read.map_err(Failure::Table)?;
+    if let Err(error) = read {
+        return Ok(Err(error));
+    }
     if rows > 0 {
         writer.write(group)?;
     }
-    Ok(writer.finish()?)
+    writer.finish().map(Ok)
 }
 
 /// Names and types of the columns.

@@ -78,25 +78,11 @@ pub trait Observer {
     fn column(&mut self, column: usize, groups: &[Sorted]);
 }
 
-impl Observer for () {
-    fn row(&mut self, _: usize, _: &Row<'_>) -> Result<(), String> {
-        Ok(())
-    }
-
-    fn column(&mut self, _: usize, _: &[Sorted]) {}
-}
-
 impl Report {
-    /// # Errors
-    /// The table can't be read, or is not that of its campaign.
-    pub fn new(table: &Table<'_>) -> Result<Self, CampaignError> {
-        Self::observed(table, &mut ())
-    }
-
     /// The report, with an observer of the table.
     ///
     /// # Errors
-    /// As [`new`](Self::new), or the observer rejects a row.
+    /// The table can't be read, or is not that of its campaign, or the observer rejects a row.
     pub fn observed(table: &Table<'_>, observer: &mut impl Observer) -> Result<Self, CampaignError> {
         let file = &table.campaign.file;
         let mut report = Self {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::evidence;
 use lashloop_campaign::facts::{CAMPAIGN, Facts};
@@ -15,10 +16,7 @@ use lashloop_campaign::table::Table;
 use lashloop_campaign::{Campaign, CampaignError};
 use lashloop_record::folder::RecordFolder;
 
-use super::campaign_run::{
-    Concluded, Execution, Made, ResultsFolder, RunsOptions, begin_merge, evidence_interrupted, interruption,
-    jobs, start,
-};
+use super::campaign_run::{Concluded, Execution, RunsOptions, begin_merge, evidence_interrupted, jobs};
 use super::campaign_selection::SelectionOptions;
 use super::campaign_submit::{Status, Submit};
 use super::error::{CliError, system};
@@ -175,12 +173,11 @@ impl Arguments {
                     "is neither a command of `lashloop campaign`, see --help, nor a campaign file, FILE.toml";
                 Err(CampaignError::Unusable { file, problem: problem.to_owned() }.into())
             }
-            Verb::Keys { schema: true } => {
-                outln!("{:#}", CampaignFile::keys().to_json_schema_of("Lashloop campaign"));
-                Ok(Exit::Pass)
-            }
-            Verb::Keys { schema: false } => {
-                outln!("{}", CampaignFile::keys().to_page(KEYS).trim_end());
+            Verb::Keys { schema } => {
+                let keys = CampaignFile::keys();
+                let page = || keys.to_page(KEYS).trim_end().to_owned();
+                let schema = schema.then(|| format!("{:#}", keys.to_json_schema_of("Lashloop campaign")));
+                outln!("{}", schema.unwrap_or_else(page));
                 Ok(Exit::Pass)
             }
         }
@@ -198,31 +195,18 @@ impl RunArguments {
         let environment = |name: &str| std::env::var(name).ok();
         let shard = self.shard.map(|choice| choice.resolve(environment, self.shards)).transpose();
         let shard = shard.map_err(CampaignError::from)?;
-        let jobs = jobs(self.runs.jobs, &self.device)?;
+        let jobs = jobs(self.runs.jobs, &self.device, ClockName::Lockstep)?;
         let campaign = self.selection.read(&self.file, bench)?;
-        let folder = ResultsFolder::new(self.runs.out.as_deref())?;
-        let folder = folder.path();
-        let (supervisor, is_kept) = (start_supervisor()?, self.runs.out.is_some());
-        let execution =
-            Execution { campaign: &campaign, device: &self.device, folder, supervisor: &supervisor, is_kept };
-        let Made { done, speed } =
-            execution.run(shard.unwrap_or(Shard::WHOLE), jobs, start(self.runs.resume))?;
-        speed.iter().for_each(|speed| error_line(format_args!("{speed}")));
-        let all = shard.unwrap_or(Shard::WHOLE).len(campaign.plan.cases());
-        if let Some(text) = interruption(done, all, self.runs.out.as_deref()) {
-            outln!("{text}");
-            return Ok(Exit::Invalid);
-        }
-        match shard {
-            None => report(&execution, execution.conclude()?),
-            Some(shard) => {
-                outln!(
-                    "shard {shard} is complete: {all} runs; `lashloop campaign merge {}` merges all shards",
-                    folder.display()
-                );
-                Ok(Exit::Pass)
-            }
-        }
+        let of = shard.unwrap_or(Shard::WHOLE);
+        self.runs.run(&campaign, &self.device, jobs, of, true, |execution| {
+            let Some(shard) = shard else { return report(execution, execution.conclude()?) };
+            outln!(
+                "shard {shard} is complete: {} runs; `lashloop campaign merge {}` merges all shards",
+                shard.len(campaign.plan.cases()),
+                execution.folder.display()
+            );
+            Ok(Exit::Pass)
+        })
     }
 }
 

@@ -11,6 +11,8 @@ use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::resume;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::Exit;
 use lashloop_campaign::Campaign;
 use lashloop_campaign::engine::{Progress as Done, ShardRun};
 use lashloop_campaign::evidence::{self, Pick, Repeater};
@@ -24,12 +26,13 @@ use lashloop_campaign::table::Table;
 use lashloop_campaign::view::View;
 use lashloop_campaign::workers::Ended;
 use lashloop_record::file_names::REPORT_FILE;
-use tempfile::TempDir;
+use lashloop_record::json_file::write_json;
 
 use super::campaign_report;
 use super::error::{CliError, system};
-use super::output::{complain, error_line, prepare_folder, write_file};
+use super::output::{complain, error_line, outln, prepare_folder, write_file};
 use super::progress::Progress;
+use super::supervision::start_supervisor;
 
 pub(super) const REPORT_JSON: &str = "report.json";
 pub(super) const REPORT_TEXT: &str = "report.txt";
@@ -60,25 +63,34 @@ pub(super) struct Execution<'a> {
     pub(super) is_kept: bool,
 }
 
-/// The folder of --out, or a temporary one.
-pub(super) enum ResultsFolder<'a> {
-    Named(&'a Path),
-    Temporary(TempDir),
-}
-
-impl<'a> ResultsFolder<'a> {
-    pub(super) fn new(out: Option<&'a Path>) -> Result<Self, CliError> {
-        match out {
-            Some(out) => Ok(Self::Named(out)),
-            None => Ok(Self::Temporary(tempfile::tempdir().map_err(system("create a temporary folder"))?)),
+impl RunsOptions {
+    /// Runs a shard into the folder of --out, or a temporary one. `then` follows unless the user stops it.
+    pub(super) fn run(
+        &self,
+        campaign: &Campaign,
+        device: &DeviceChoice,
+        jobs: NonZeroUsize,
+        shard: Shard,
+        shows_speed: bool,
+        then: impl FnOnce(&Execution<'_>) -> Result<Exit, CliError>,
+    ) -> Result<Exit, CliError> {
+        let temporary;
+        let folder = match &self.out {
+            Some(out) => out.as_path(),
+            None => {
+                temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
+                temporary.path()
+            }
+        };
+        let (supervisor, is_kept) = (&start_supervisor()?, self.out.is_some());
+        let execution = Execution { campaign, device, folder, supervisor, is_kept };
+        let start = if self.resume { Start::Resume } else { Start::New };
+        let done = execution.run(shard, jobs, start, shows_speed)?;
+        if let Some(text) = interruption(done, shard.len(campaign.plan.cases()), self.out.as_deref()) {
+            outln!("{text}");
+            return Ok(Exit::Invalid);
         }
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        match self {
-            Self::Named(out) => out,
-            Self::Temporary(folder) => folder.path(),
-        }
+        then(&execution)
     }
 }
 
@@ -89,16 +101,15 @@ pub(super) struct Concluded {
     pub(super) failures_without_record: Option<String>,
 }
 
-/// A shard that was run.
-pub(super) struct Made {
-    pub(super) done: Done,
-    /// Runs per second; `None` without a run.
-    pub(super) speed: Option<String>,
-}
-
 impl Execution<'_> {
     /// Runs a shard.
-    pub(super) fn run(&self, shard: Shard, jobs: NonZeroUsize, start: Start) -> Result<Made, CliError> {
+    fn run(
+        &self,
+        shard: Shard,
+        jobs: NonZeroUsize,
+        start: Start,
+        shows_speed: bool,
+    ) -> Result<Done, CliError> {
         prepare_folder(self.folder, &[])?;
         if !resume::has_locks(self.folder).map_err(system("create a file in the folder of the results"))? {
             complain(format_args!(
@@ -125,13 +136,15 @@ impl Execution<'_> {
             error_line(format_args!("{} of {all} runs restored", done.restored));
         }
         let (runs, wall_s) = (done.rows - done.restored, started.elapsed().as_secs_f64());
-        let speed = (runs > 0).then(|| {
+        if shows_speed && runs > 0 {
             let jobs = (jobs.get() as u64).min(runs);
             let cores = thread::available_parallelism().map_or(jobs, |cores| jobs.min(cores.get() as u64));
             let rate = runs as f64 / wall_s / cores as f64;
-            format!("{runs} runs in {wall_s:.1} s, {jobs} at a time: {rate:.2} runs per second and core")
-        });
-        Ok(Made { done, speed })
+            error_line(format_args!(
+                "{runs} runs in {wall_s:.1} s, {jobs} at a time: {rate:.2} runs per second and core"
+            ));
+        }
+        Ok(done)
     }
 
     /// As [`conclude_locked`](Self::conclude_locked), from the lock on.
@@ -171,10 +184,7 @@ impl Execution<'_> {
             writeln!(file, "{report}")?;
             failures_without_record.iter().try_for_each(|text| writeln!(file, "{text}"))
         })?;
-        write_whole(&self.folder.join(REPORT_JSON), ".report-", |file| {
-            serde_json::to_writer_pretty(&mut *file, report)?;
-            file.write_all(b"\n")
-        })?;
+        write_json(&self.folder.join(REPORT_JSON), ".report-", report)?;
         Ok(Some(Concluded { report: view.report, failures_without_record }))
     }
 
@@ -218,25 +228,27 @@ pub(super) fn begin_merge(folder: &Path) -> Result<MergeLock, CliError> {
     Ok(lock)
 }
 
-/// Runs at once: as many as cores, and one on a drive that has one session.
-pub(super) fn jobs(wanted: Option<NonZeroUsize>, device: &DeviceChoice) -> Result<NonZeroUsize, CliError> {
-    match (wanted, device.has_drive_per_session()) {
-        (Some(jobs), false) if jobs > NonZeroUsize::MIN => {
-            Err(CliError::Jobs { jobs, what: format!("--device {device}") })
-        }
-        (_, false) => Ok(NonZeroUsize::MIN),
-        (Some(jobs), true) => Ok(jobs),
-        (None, true) => Ok(thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)),
+/// Runs at once: as many as cores, and one on a drive that has one session or in real time.
+pub(super) fn jobs(
+    wanted: Option<NonZeroUsize>,
+    device: &DeviceChoice,
+    clock: ClockName,
+) -> Result<NonZeroUsize, CliError> {
+    let what = if !device.has_drive_per_session() {
+        format!("--device {device}")
+    } else if clock == ClockName::RealTime {
+        "a machine that keeps real time".to_owned()
+    } else {
+        return Ok(wanted.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN));
+    };
+    match wanted {
+        Some(jobs) if jobs > NonZeroUsize::MIN => Err(CliError::Jobs { jobs, what }),
+        _ => Ok(NonZeroUsize::MIN),
     }
 }
 
-/// Whether earlier results are continued.
-pub(super) const fn start(resume: bool) -> Start {
-    if resume { Start::Resume } else { Start::New }
-}
-
 /// What an interrupted command left.
-pub(super) fn interruption(done: Done, all: u64, kept_in: Option<&Path>) -> Option<String> {
+fn interruption(done: Done, all: u64, kept_in: Option<&Path>) -> Option<String> {
     let kept = match (done.ended, kept_in) {
         (Ended::Complete, _) => return None,
         (Ended::Interrupted, Some(folder)) => format!("kept in {}; resume with --resume", folder.display()),

@@ -7,7 +7,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_record::export::{Format, Selection, export};
 use lashloop_record::file_names::EXPORT_FILES;
 use lashloop_record::folder::RecordFolder;
-use lashloop_record::reader::{Completeness, Record};
+use lashloop_record::reader::Record;
 
 use super::error::CliError;
 use super::output::{outln, warn};
@@ -61,7 +61,7 @@ impl Arguments {
             return Err(CliError::Nothing { from, until });
         }
         let record = Record::read(&self.record)?;
-        if let interrupted @ Completeness::Interrupted { .. } = record.completeness() {
+        if let Some(interrupted) = record.interruption() {
             warn(format_args!("{}: {interrupted}", self.record.display()));
         }
         let every = self.every as usize;

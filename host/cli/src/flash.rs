@@ -214,7 +214,7 @@ impl Known<'_> {
     /// terminal needs no request, which would spoil its measurement of the speed.
     fn check_chip(&self, way: Way, target: &Target) -> Result<(), FlashError> {
         let path = |path: Option<&Path>| path.and_then(|path| path.canonicalize().ok());
-        let terminal = || path(self.drive.as_ref().and_then(DeviceChoice::terminal));
+        let terminal = || path(self.drive.as_ref().and_then(|drive| drive.terminal()));
         let is_elsewhere = match way {
             Way::Probe => false,
             Way::Dfu => true,

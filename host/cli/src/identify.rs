@@ -1,11 +1,9 @@
 //! `lashloop identify`: estimates of a drive train from records.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
@@ -13,6 +11,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use lashloop_record::file_names::SCENARIO_FILE;
+use lashloop_record::json_file::write_json;
 use lashloop_record::manifest::Manifest;
 use lashloop_record::reader::Record;
 
@@ -166,10 +165,7 @@ pub(super) fn write_estimates(
 ) -> Result<(), CliError> {
     write_file(&folder.join(PLANT_FILE), &plant_toml(identified))?;
     write_file(&folder.join(DRIVE_FILE), &drive_toml(identified, mode, offers))?;
-    write_whole(&folder.join(ESTIMATES_FILE), ".estimates-", |file| {
-        serde_json::to_writer_pretty(&mut *file, identified)?;
-        file.write_all(b"\n")
-    })?;
+    write_json(&folder.join(ESTIMATES_FILE), ".estimates-", identified)?;
     for name in [PLANT_FILE, DRIVE_FILE, ESTIMATES_FILE] {
         outln!("{}", folder.join(name).display());
     }

@@ -13,7 +13,7 @@ use super::options::plants;
 use super::output::outln;
 use super::supervision::start_supervisor;
 use lashloop::Bench;
-use lashloop::replay::{DriveEnd, RecordedParameters, Recording, replay};
+use lashloop::replay::{DriveEnd, Recording, replay};
 
 /// Send the samples of a record to another firmware and compare the torques bit by bit
 ///
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let files = RecordFiles::read(&self.record)?;
-        let parameters = RecordedParameters::of(&files.record.manifest.parameters);
+        let parameters = &files.record.manifest.parameters;
         let recording = Recording::new(&files)?;
         let scenario = Scenario::from_file_with(&self.record.join("scenario.toml"), &[], &plants(bench))?;
         let supervisor = start_supervisor()?;
@@ -52,13 +52,13 @@ impl Arguments {
                 "record      {}: {} samples, {} parameters",
                 files.name,
                 recording.steps.len(),
-                parameters.len()
+                parameters.iter().filter(|it| it.of_law).count()
             );
             outln!("recorded    {}", files.record.manifest.device_description);
             outln!("replayed    {}", device.description());
         }
         let signals = supervisor.guard_signals();
-        let result = replay(&recording, &parameters, &scenario.link, self.tolerance, &mut device, || {
+        let result = replay(&recording, parameters, &scenario.link, self.tolerance, &mut device, || {
             supervisor.interrupted()
         })?;
         drop(signals);

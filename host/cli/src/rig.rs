@@ -46,12 +46,9 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         match self.verb {
             Verb::Check { rig, json } => check_rig(&rig, bench, json),
-            Verb::Keys { schema: true } => {
-                outln!("{:#}", Rig::json_schema());
-                Ok(Exit::Pass)
-            }
-            Verb::Keys { schema: false } => {
-                outln!("{}", Rig::page().trim_end());
+            Verb::Keys { schema } => {
+                let page = || Rig::page().trim_end().to_owned();
+                outln!("{}", if schema { format!("{:#}", Rig::json_schema()) } else { page() });
                 Ok(Exit::Pass)
             }
         }

@@ -7,17 +7,16 @@ use std::fs;
 use std::io::{self, IsTerminal};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::Instant;
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::resume::ResumeError;
-use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::Override;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 
+use super::campaign_run::jobs;
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::options::{drive_help, plants};
@@ -131,7 +130,7 @@ impl Arguments {
     ) -> Result<Exit, CliError> {
         let started = Instant::now();
         let clock = self.clock.clock()?;
-        let jobs = self.jobs(clock)?;
+        let jobs = jobs(self.jobs, &self.device, clock.name())?;
         let overrides: Vec<_> = self.set.iter().cloned().map(Override::Set).collect();
         let plants = plants(bench);
         let common = Common {
@@ -200,22 +199,6 @@ impl Arguments {
             _ => {}
         }
         Ok(tally.conclusion().exit())
-    }
-
-    fn jobs(&self, clock: Clock) -> Result<NonZeroUsize, CliError> {
-        let single = if !self.device.has_drive_per_session() {
-            Some(format!("--device {}", self.device))
-        } else if clock.name() == ClockName::RealTime {
-            Some("a machine that keeps real time".to_owned())
-        } else {
-            None
-        };
-        match (self.jobs, single) {
-            (Some(jobs), Some(what)) if jobs > NonZeroUsize::MIN => Err(CliError::Jobs { jobs, what }),
-            (Some(jobs), _) => Ok(jobs),
-            (None, Some(_)) => Ok(NonZeroUsize::MIN),
-            (None, None) => Ok(thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)),
-        }
     }
 
     /// Opens the journal, with its lock: only then may results of an earlier suite be removed.

@@ -1,23 +1,8 @@
 //! What an earlier message or run must leave behind, and what it must not: stored answers, watchdogs, laws, sessions.
 
-use std::time::Duration;
+use super::safety::in_time;
+use crate::prelude::checks::*;
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, Reset, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::{CONTROLLER, REQUIRED};
-
-use super::answers::{fault, hello, outcome, sample, telemetry, torque};
-use super::assertion::{RuleResult, equal, expect, names, skip};
-use super::check::{Check, check};
-use super::client::Client;
-use super::encoders::setup::Setup;
-use super::reactions::{accepted, fault_answer, first_sample, refused_sample};
-use super::safety::{fault_report, in_time};
-
-const NONE: TorqueFlags = TorqueFlags::empty();
 /// A watchdog that trips soon.
 const SHORT_US: u32 = 20_000;
 /// Time in which a watchdog of [`SHORT_US`] would trip.
@@ -101,11 +86,11 @@ fn infinite_request(client: &mut Client) -> RuleResult {
         client.long_watchdog()?;
         for parameter in client.description.parameters.clone() {
             let is_of_the_law = !REQUIRED.iter().any(|name| *name == &*parameter.name);
-            if is_of_the_law && matches!(parameter.max, ParameterValue::F32(_)) {
+            if is_of_the_law && matches!(parameter.max, F32(_)) {
                 client.set(parameter.index, parameter.max)?;
             }
         }
-        if client.command(Arm { session: client.session })? != (Outcome::Accepted, State::Armed) {
+        if client.command(Arm { session: client.session })? != (Accepted, Armed) {
             return skip("not run: the drive refuses its largest parameters");
         }
         client.start()?;
@@ -115,11 +100,11 @@ fn infinite_request(client: &mut Client) -> RuleResult {
             fault_answer(&answers, FaultCode::TorqueNotFinite)?;
             continue;
         }
-        equal("state and torque", (State::Running, true), {
+        equal("state and torque", (Running, true), {
             let it = torque(&answers)?;
             (it.status.state, it.torque_nm.is_finite())
         })?;
-        if answers.iter().any(|it| matches!(it, DriveMessage::Telemetry(_))) {
+        if answers.iter().any(is::<Telemetry>) {
             let requested_nm = telemetry(&answers)?.values.as_slice().first().copied().unwrap_or(0.0);
             let expected = format!("a fault, or a finite {REQUESTED}");
             expect(requested_nm.is_finite(), expected, format!("{requested_nm} N m in Running"))?;
@@ -154,21 +139,21 @@ fn no_watchdog(client: &mut Client) -> RuleResult {
     let session = client.session;
     let run = [Arm { session }.into(), Start { session }.into(), sample(0).into()];
     let ends = [
-        (vec![Stop {}.into(), Arm { session }.into()], State::Armed),
-        (vec![hello(session ^ 1).into(), Arm { session: session ^ 1 }.into()], State::Armed),
-        (vec![EmergencyStop {}.into(), ClearFault {}.into(), Arm { session }.into()], State::Armed),
-        (vec![Reset {}.into()], State::Boot),
+        (vec![Stop {}.into(), Arm { session }.into()], Armed),
+        (vec![hello(session ^ 1).into(), Arm { session: session ^ 1 }.into()], Armed),
+        (vec![EmergencyStop {}.into(), ClearFault {}.into(), Arm { session }.into()], Armed),
+        (vec![Reset {}.into()], Boot),
     ];
     for (end, state) in ends {
         client.reset()?;
         client.idle()?;
-        client.put("watchdog_us", ParameterValue::U32(SHORT_US))?;
+        client.put("watchdog_us", U32(SHORT_US))?;
         let answers = client.burst(&[&run[..], &end].concat())?;
-        if answers.iter().filter_map(fault_report).any(|it| it.code == FaultCode::Watchdog) {
+        if answers.iter().filter_map(of::<FaultReport>).any(|it| it.code == FaultCode::Watchdog) {
             // The drive itself was late, within the run.
             client.slowest = client.slowest.max(QUIET);
         }
-        let news = client.wait_for(QUIET, fault_report)?;
+        let news = client.wait_for(QUIET, of::<FaultReport>)?;
         expect(news.is_none(), format!("no FaultReport in {state:?} after a run"), news)?;
         client.request_bytes(&[])?;
         equal("state after a run that has ended", state, client.state)?;
@@ -189,11 +174,11 @@ fn law_in_force(client: &mut Client) -> RuleResult {
     };
     client.long_watchdog()?;
     for law in [has, lacks, has] {
-        let expected = if law == has { Outcome::Accepted } else { Outcome::SignalOfOtherLaw };
-        client.put(CONTROLLER, ParameterValue::U32(law.into()))?;
+        let expected = if law == has { Accepted } else { SignalOfOtherLaw };
+        client.put(CONTROLLER, U32(law.into()))?;
         client.arm()?;
-        for state in [State::Armed, State::Running] {
-            if state == State::Running {
+        for state in [Armed, Running] {
+            if state == Running {
                 client.start()?;
                 first_sample(client)?;
             }

@@ -1,16 +1,10 @@
 //! The requests that most checks send, and the answers of a drive by kind.
 
-use lashloop_protocol::enums::{FaultCode, Outcome};
+use lashloop_protocol::TelemetryValues;
 use lashloop_protocol::layout::MessageLayout;
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{
-    CommandResult, EncoderSample, FaultReport, Hello, Identity, LineReport, ParameterReport, Telemetry,
-    TorqueAnswer,
-};
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
 
 use super::assertion::{Failure, find};
+use crate::prelude::wire::*;
 
 pub(super) const fn hello(session: u32) -> Hello {
     Hello::new(session)
@@ -41,14 +35,21 @@ pub(super) fn sample(sequence: u16) -> EncoderSample {
     EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
 }
 
+/// A message as one of this kind, if it is one.
+pub(super) fn of<T: for<'a> TryFrom<&'a DriveMessage>>(message: &DriveMessage) -> Option<T> {
+    T::try_from(message).ok()
+}
+
+/// Whether a message is of this kind.
+pub(super) fn is<T: for<'a> TryFrom<&'a DriveMessage>>(message: &DriveMessage) -> bool {
+    of::<T>(message).is_some()
+}
+
 /// Declares a function that finds the first answer of a kind.
 macro_rules! finders {
     ($($name:ident: $kind:ident as $what:literal,)+) => {
         $(pub(super) fn $name(answers: &[DriveMessage]) -> Result<$kind, Failure> {
-            find($what, answers, |answer| match answer {
-                DriveMessage::$kind(found) => Some(*found),
-                _ => None,
-            })
+            find($what, answers, of)
         })+
     };
 }
@@ -66,10 +67,8 @@ pub(super) fn command_result(
     request: &MessageLayout,
     answers: &[DriveMessage],
 ) -> Result<CommandResult, Failure> {
-    find(&format!("a CommandResult for {}", request.name), answers, |answer| match answer {
-        DriveMessage::CommandResult(result) if result.request == request.kind => Some(*result),
-        _ => None,
-    })
+    let wanted = |answer: &_| of::<CommandResult>(answer).filter(|it| it.request == request.kind);
+    find(&format!("a CommandResult for {}", request.name), answers, wanted)
 }
 
 pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outcome, Failure> {
@@ -77,10 +76,8 @@ pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outc
 }
 
 pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterReport, Failure> {
-    find(&format!("a ParameterReport for index {index}"), answers, |answer| match answer {
-        DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
-        _ => None,
-    })
+    let wanted = |answer: &_| of::<ParameterReport>(answer).filter(|it| it.index == index);
+    find(&format!("a ParameterReport for index {index}"), answers, wanted)
 }
 
 /// Clears what differs between two equal answers: times, counts and signals.

@@ -2,17 +2,13 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use lashloop_protocol::enums::{Capabilities, TorqueFlags};
 use lashloop_protocol::layout::has_number;
-use lashloop_protocol::limits::{
-    FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MINOR_VERSION, OUTCOME_NAMES, STATE_NAMES,
-};
-use lashloop_protocol::message::{Identity, Numbered, Reference};
-use lashloop_protocol::wire::{BodyError, Payload};
-use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{Decoder, FrameError};
 
 use super::assertion::{Failure, RuleResult, broken};
 use super::words::Words;
+use crate::prelude::wire::*;
 
 /// A request that waits for its answers.
 #[derive(Clone, Copy)]

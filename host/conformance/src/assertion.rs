@@ -1,9 +1,7 @@
 //! Assertions on what a drive sends: have, want, and what the difference means.
 
-use lashloop_protocol::{DriveMessage, Message};
-use lashloop_session::SessionError;
-
 use super::words::Words;
+use crate::prelude::wire::*;
 
 /// Whether a drive keeps the rule under test.
 pub(super) type RuleResult = Result<(), Failure>;
@@ -58,6 +56,16 @@ pub(super) fn equal<T: PartialEq + Words>(what: &str, expected: T, got: T) -> Ru
 /// The names of messages, for rules on their order.
 pub(super) fn names(answers: &[DriveMessage]) -> Vec<&'static str> {
     answers.iter().map(|answer| answer.layout().name).collect()
+}
+
+/// Requires answers of these kinds, in this order.
+pub(super) fn of_kinds(
+    what: &str,
+    kinds: &[&'static str],
+    answers: Vec<DriveMessage>,
+) -> Result<Vec<DriveMessage>, Failure> {
+    equal(what, kinds, &*names(&answers))?;
+    Ok(answers)
 }
 
 /// The first answer that `wanted` accepts.

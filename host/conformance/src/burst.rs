@@ -1,13 +1,7 @@
 //! Several requests in one write, which most of the other checks send.
 
-use lashloop_protocol::message::{DescribeParameter, GetParameter};
-use lashloop_protocol::{DriveMessage, HostMessage};
-
-use super::answers::sample;
-use super::assertion::{Failure, RuleResult, equal, names};
-use super::check::{Check, check};
-use super::client::Client;
 use super::writes::{MOST_BYTES, MOST_REQUESTS};
+use crate::prelude::checks::*;
 
 /// Frame of a sample, the longest request that a drive answers in every state with a session, in bytes.
 const SAMPLE: usize = 19;
@@ -34,15 +28,12 @@ pub(super) fn checks() -> Vec<Check> {
 fn two_writes(client: &mut Client) -> RuleResult {
     let indices = 0..MOST_REQUESTS as u8 - 1;
     let reads: Vec<HostMessage> = indices.clone().map(|index| GetParameter { index }.into()).collect();
-    let reported = client.burst(&reads)?.into_iter().map(|answer| match answer {
-        DriveMessage::ParameterReport(it) => Some(it.index),
-        _ => None,
-    });
+    let reported = client.burst(&reads)?.into_iter().map(|it| Some(of::<ParameterReport>(&it)?.index));
     equal("indices of the reports", indices.map(Some).collect::<Vec<_>>(), reported.collect())?;
     // The longest answers.
     let reads = vec![DescribeParameter { index: 0 }.into(); MOST_REQUESTS - 1];
-    let described = client.burst(&reads)?;
-    equal("answers to DescribeParameter", vec!["ParameterDescription"; reads.len()], names(&described))?;
+    let kinds = vec!["ParameterDescription"; reads.len()];
+    of_kinds("answers to DescribeParameter", &kinds, client.burst(&reads)?)?;
     let samples: Vec<HostMessage> =
         (0..(MOST_BYTES - READ) / SAMPLE).map(|sequence| sample(sequence as u16).into()).collect();
     let answers = client.burst(&samples)?;

@@ -1,16 +1,11 @@
 //! The bench's side of a conformance run: requests and all their answers.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
-
-use lashloop_protocol::enums::State;
-use lashloop_protocol::frame::{DELIMITER, Frame};
-use lashloop_protocol::message::{GetParameter, Identity, Reset};
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_link::Link;
+use lashloop_protocol::frame::Frame;
 use lashloop_session::line::Line;
-use lashloop_session::{Description, SessionError, handshake};
+use lashloop_session::{Description, handshake};
 
 use super::arrivals::Arrivals;
 use super::assertion::{Failure, RuleResult, broken};
@@ -18,6 +13,7 @@ use super::power_stage::PowerStage;
 use super::time_up::{Starvation, TimeUp};
 use super::words::Words;
 use super::writes::next_write;
+use crate::prelude::wire::*;
 
 /// Time for the answers to one request. A drive answers at once.
 pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);

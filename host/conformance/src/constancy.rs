@@ -1,28 +1,12 @@
 //! What a drive keeps: requests and frames that change nothing, many times in every state.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    EncoderSample, FaultReport, GetParameter, LineReport, Reset, SetParameter, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
-
-use super::answers::{counted, fault, forget_time, hello, line_report, other, sample};
-use super::assertion::{Failure, RuleResult, broken, equal, names};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::{BURST, Exchange, reported, result};
+use super::exchanges::{BURST, reported};
 use super::growth::Unknown;
 use super::parameters::values::{defaults, in_force};
-use super::range::{neighbour, of_other_type};
+use super::range::of_other_type;
 use super::receiver;
 use super::telemetry::subscription::signals;
-use super::words::Words;
-
-use State::{Armed, Boot, Faulted, Idle, Running};
+use crate::prelude::checks::*;
 
 /// Copies of each request. A drive that errs only later errs within them.
 pub(super) const COPIES: usize = 9;
@@ -81,9 +65,8 @@ impl Constancy {
             let index = client.parameter(name)?.index;
             values[usize::from(index)] = client.get(index)?.value;
         }
-        client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
-        client.arm()?;
-        client.start()?;
+        client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Accepted, Idle)])?;
+        client.arm_and_start()?;
         let counts = counted(1, 0, 0);
         let mut it = Self { state, session, signals, values, fault: None, counts, unknown };
         let end: Vec<HostMessage> = match state {
@@ -163,7 +146,7 @@ impl Constancy {
     /// Settings that are refused, or of the value in force.
     fn settings(&self, client: &Client) -> Vec<HostMessage> {
         let index = client.identity.parameter_count;
-        let unknown = SetParameter { index, value: ParameterValue::U32(0) };
+        let unknown = SetParameter { index, value: U32(0) };
         // The last index of all ends every exchange.
         let mut settings = if index < u8::MAX { vec![unknown] } else { Vec::new() };
         let parameters = &client.description.parameters;
@@ -228,8 +211,7 @@ impl Constancy {
         let frame = HostMessage::from(GetParameter { index: 0 }).frame();
         let (start, rest) = frame.split_at(3);
         client.send_bytes(start)?;
-        let unasked = client
-            .wait_for(PAUSE, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+        let unasked = client.wait_for(PAUSE, |message| (!is::<Log>(message)).then_some(*message))?;
         equal("without a request, message other than a Log", None, unasked)?;
         let answers = client.request_bytes(rest)?;
         self.counts.messages += 2;
@@ -252,14 +234,14 @@ impl Constancy {
         self.counts.messages += 1;
         equal(&format!("{when}, line report"), self.counts, counts)?;
         if state == Faulted {
-            client.exchange(&when, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
+            client.exchange(&when, &[result(ClearFault {}, Accepted, Idle)])?;
         }
         if state == Boot {
-            client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, Boot)])?;
+            client.exchange(&when, &[result(Arm { session }, WrongSession, Boot)])?;
             client.long_watchdog()?;
         }
-        client.exchange(&when, &[result(Arm { session }, Outcome::Accepted, Armed)])?;
-        client.exchange(&when, &[result(Start { session }, Outcome::Accepted, Running)])?;
+        client.exchange(&when, &[result(Arm { session }, Accepted, Armed)])?;
+        client.exchange(&when, &[result(Start { session }, Accepted, Running)])?;
         let subscribed = state != Boot && signals != 0;
         for sequence in 0..3 {
             let with_telemetry = subscribed && sequence % 2 == 0;
@@ -275,7 +257,7 @@ impl Constancy {
 pub(super) fn unknown_indices(client: &Client, state: State) -> Vec<Exchange> {
     let identity = &client.identity;
     let index = identity.parameter_count;
-    let outcome = Outcome::UnknownIndex;
+    let outcome = UnknownIndex;
     let mut unknown = vec![
         result(DescribeLaw { index: identity.law_count }, outcome, state),
         result(DescribeSignal { index: identity.signal_count }, outcome, state),
@@ -283,7 +265,7 @@ pub(super) fn unknown_indices(client: &Client, state: State) -> Vec<Exchange> {
     ];
     // The last index of all ends every exchange.
     if index < u8::MAX {
-        let report = reported(index, outcome, ParameterValue::U32(0), state);
+        let report = reported(index, outcome, U32(0), state);
         unknown.push((GetParameter { index }.into(), report.into()));
         unknown.push((DescribeParameter { index }.into(), report.into()));
     }

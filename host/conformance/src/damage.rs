@@ -1,7 +1,8 @@
 //! Damaged copies of good frames: flipped bits, other checksums, bad stuffing.
 
-use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::{cobs, crc};
+
+use crate::prelude::wire::*;
 
 /// CRC-32/ISCSI and CRC-32/ISO-HDLC, reflected.
 const POLYNOMIALS: [u32; 2] = [0x82f6_3b78, 0xedb8_8320];

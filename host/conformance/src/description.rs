@@ -3,28 +3,13 @@
 use std::collections::HashSet;
 use std::fmt::Display;
 
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::limits::{
-    FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MAX_LAWS, MAX_SIGNALS, OUTCOME_NAMES, STATE_NAMES,
-};
-use lashloop_protocol::message::{
-    ChoiceDescription, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Hello, Identity,
-};
-use lashloop_protocol::parameter_names::CONTROLLER;
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage};
-
 use lashloop_session::diagnosis::Cause;
-use lashloop_session::{Description, LawMask, Parameter, SessionError};
+use lashloop_session::{Description, LawMask};
 
-use super::assertion::{Failure, RuleResult, broken, equal, expect};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::{Exchange, result};
 use super::parameters::foreign_names;
-use super::range::{beyond, neighbour};
+use super::range::beyond;
 use super::result::{CheckResult, CheckStatus};
-use super::words::Words;
+use crate::prelude::checks::*;
 
 pub(super) const GROUP: &str = "description";
 
@@ -93,7 +78,7 @@ pub(super) fn checks() -> Vec<Check> {
             let with_choices = client.description.parameters.iter().filter(|it| !it.choices.is_empty());
             with_choices.into_iter().try_for_each(|it| {
                 equal(&format!("{}: type", it.name), ParameterType::U32, it.default.ty())?;
-                let last = matches!(it.max, ParameterValue::U32(0..=255));
+                let last = matches!(it.max, U32(0..=255));
                 expect(last, format!("{}: max of at most 255", it.name), it.max)
             })
         }),
@@ -112,7 +97,7 @@ pub(super) fn checks() -> Vec<Check> {
         check(
             "R4.1 R4.7 R6.2 R10.10",
             "an unknown law, signal or choice is answered with UnknownIndex in every state",
-            |client| State::ALL.iter().try_for_each(|state| unknown_in(client, *state)),
+            |client| client.in_states(State::ALL, unknown_in),
         ),
     ]
 }
@@ -134,7 +119,7 @@ fn controller(client: &mut Client) -> RuleResult {
     }
     let it = client.parameter(CONTROLLER)?;
     expect(!it.live, "controller without LIVE", it.live)?;
-    let range = (ParameterValue::U32(0), ParameterValue::U32((laws.len() as u32).saturating_sub(1)));
+    let range = (U32(0), U32((laws.len() as u32).saturating_sub(1)));
     equal("min and max of controller", range, (it.min, it.max))?;
     let choices: Vec<_> = it.choices.iter().map(|choice| choice.name.clone()).collect();
     equal("choices of controller", laws, choices)
@@ -142,8 +127,8 @@ fn controller(client: &mut Client) -> RuleResult {
 
 /// Values that every drive has: a state, an outcome, a fault, a flag, and a kind of each direction.
 const OF_EVERY_DRIVE: [(u8, u8); 6] = [
-    (STATE_NAMES, State::Idle.byte()),
-    (OUTCOME_NAMES, Outcome::Accepted.byte()),
+    (STATE_NAMES, Idle.byte()),
+    (OUTCOME_NAMES, Accepted.byte()),
     (FAULT_NAMES, FaultCode::EmergencyStop.byte()),
     (FLAG_NAMES, TorqueFlags::REPEATED.bits()),
     (KIND_NAMES, DescribeChoice::LAYOUT.kind),
@@ -194,13 +179,10 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     reversed.reverse();
     // The first reading is that of `Boot`.
     let count = client.repetitions(State::ALL.len() - 1);
-    for (place, &state) in State::ALL.iter().enumerate().skip(State::ALL.len() - count) {
-        client.reset()?;
-        client.enter(state)?;
-        let order = if place % 2 == 0 { &reversed } else { &before };
-        client.exchange(&format!("in {state:?}"), order)?;
-    }
-    Ok(())
+    client.in_states(&State::ALL[State::ALL.len() - count..], |client, state| {
+        let order = if matches!(state, Idle | Running) { &before } else { &reversed };
+        client.exchange(&format!("in {state:?}"), order)
+    })
 }
 
 fn with_other_settings(client: &mut Client) -> RuleResult {
@@ -215,10 +197,8 @@ fn with_other_settings(client: &mut Client) -> RuleResult {
 }
 
 fn unknown_in(client: &mut Client, state: State) -> RuleResult {
-    client.reset()?;
-    client.enter(state)?;
     let Identity { law_count, signal_count, parameter_count, .. } = client.identity;
-    let outcome = Outcome::UnknownIndex;
+    let outcome = UnknownIndex;
     let mut exchanges: Vec<Exchange> = Vec::new();
     let [laws, signals] = [law_count, signal_count].map(|count| beyond(client, count, u8::MAX));
     exchanges.extend(laws.into_iter().map(|index| result(DescribeLaw { index }, outcome, state)));
@@ -228,7 +208,7 @@ fn unknown_in(client: &mut Client, state: State) -> RuleResult {
     let mut unknown: Vec<_> = parameters.into_iter().flat_map(|index| [(index, 0), (index, 1)]).collect();
     for it in &client.description.parameters {
         match (it.min, it.max) {
-            (ParameterValue::U32(min), ParameterValue::U32(max)) if !it.choices.is_empty() => {
+            (U32(min), U32(max)) if !it.choices.is_empty() => {
                 let outside = [min.checked_sub(1), max.checked_add(1), (max < 255).then_some(255)];
                 let outside = outside.into_iter().flatten().filter_map(|choice| u8::try_from(choice).ok());
                 unknown.extend(outside.map(|choice| (it.index, choice)));

@@ -1,20 +1,8 @@
 //! What takes time or many messages: silence without a request, long watchdogs, large counts.
 
-use std::time::{Duration, Instant};
-
-use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{GetParameter, Stop};
-use lashloop_protocol::parameter_names::WATCHDOG_US;
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
-
-use super::answers::{counted, line_report, sample};
-use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
-use super::check::{Check, check};
-use super::client::Client;
-use super::reactions::{accepted, first_sample};
 use super::receiver::framed;
 use super::safety::in_time;
-use super::words::Words;
+use crate::prelude::checks::*;
 
 /// Time for which nothing may be sent, and in `Faulted`.
 const QUIET: Duration = Duration::from_millis(30);
@@ -48,7 +36,7 @@ pub(super) fn checks() -> Vec<Check> {
         check(
             "R1.1 R4.2 R8.3",
             "on an idle line, and in a pause of a frame, nothing but a Log is sent in any state",
-            |client| State::ALL.iter().try_for_each(|state| quiet(client, *state)),
+            |client| client.in_states(State::ALL, quiet),
         ),
         check("R4.18 R4.19 R8.5", "device time passes as the time of the bench does", pace),
         in_time(check("R8.5 R8.7 R8.10", "a long watchdog does not trip early", long_watchdogs)),
@@ -61,9 +49,7 @@ pub(super) fn checks() -> Vec<Check> {
 }
 
 fn quiet(client: &mut Client, state: State) -> RuleResult {
-    client.reset()?;
-    client.enter(state)?;
-    if state == State::Running {
+    if state == Running {
         first_sample(client)?;
     }
     no_message(client, state, QUIET)?;
@@ -71,15 +57,14 @@ fn quiet(client: &mut Client, state: State) -> RuleResult {
     let read = client.frame(GetParameter { index: 0 });
     let (first, rest) = read.split_at(read.len() / 2);
     client.send_bytes(first)?;
-    no_message(client, state, if state == State::Faulted { QUIET_IN_FAULTED } else { QUIET })?;
+    no_message(client, state, if state == Faulted { QUIET_IN_FAULTED } else { QUIET })?;
     let answers = client.request_bytes(rest)?;
     equal(&format!("in {state}, to a frame with a pause in it"), vec!["ParameterReport"], names(&answers))?;
     equal("state afterwards", state, client.state)
 }
 
 fn no_message(client: &mut Client, state: State, time: Duration) -> RuleResult {
-    let unasked =
-        client.wait_for(time, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+    let unasked = client.wait_for(time, |message| (!is::<Log>(message)).then_some(*message))?;
     equal(&format!("in {state} without a request, message other than a Log"), None, unasked)
 }
 
@@ -110,15 +95,14 @@ fn long_watchdogs(client: &mut Client) -> RuleResult {
     let count = client.repetitions(LONG_WATCHDOGS_US.len()).max(3);
     for &watchdog_us in &LONG_WATCHDOGS_US[..count] {
         client.reset()?;
-        client.running(&[(WATCHDOG_US, ParameterValue::U32(watchdog_us))])?;
+        client.running(&[(WATCHDOG_US, U32(watchdog_us))])?;
         first_sample(client)?;
         client.wait_for(SILENCE, |_| None::<()>)?;
-        let answers = client.request(sample(1))?;
         let silence_ms = SILENCE.as_millis();
         let what = format!("watchdog of {watchdog_us} us, to a sample after {silence_ms} ms");
-        equal(&what, vec!["TorqueAnswer"], names(&answers))?;
-        equal(&what, State::Running, client.state)?;
-        accepted(client, sample(2), TorqueFlags::empty())?;
+        of_kinds(&what, &["TorqueAnswer"], client.request(sample(1))?)?;
+        equal(&what, Running, client.state)?;
+        accepted(client, sample(2), NONE)?;
     }
     Ok(())
 }

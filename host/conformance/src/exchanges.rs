@@ -1,14 +1,10 @@
 //! Several requests in one write, with their answers.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{CommandResult, GetParameter, ParameterReport, SetParameter};
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
-
 use super::assertion::{Failure, RuleResult, broken};
 use super::client::Client;
 use super::words::Words;
 use super::writes::MOST_REQUESTS;
+use crate::prelude::wire::*;
 
 /// Requests in one write, without the marker after them.
 pub(super) const BURST: usize = MOST_REQUESTS - 1;
@@ -91,7 +87,7 @@ pub(super) fn reported(index: u8, outcome: Outcome, value: ParameterValue, state
 
 /// A read of a parameter with this value in force.
 pub(super) fn reads(index: u8, value: ParameterValue, state: State) -> Exchange {
-    (GetParameter { index }.into(), reported(index, Outcome::Accepted, value, state).into())
+    (GetParameter { index }.into(), reported(index, Accepted, value, state).into())
 }
 
 /// A setting, its outcome, and the value in force afterwards.

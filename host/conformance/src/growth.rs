@@ -1,28 +1,13 @@
 //! Growth: requests, bodies and values of a newer host, numbers, and the drive's own names.
 
-use lashloop_protocol::enums::{Capabilities, FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::layout::has_number;
-use lashloop_protocol::limits::{
-    FAULT_NAMES, FLAG_NAMES, KIND_NAMES, MINOR_VERSION, OUTCOME_NAMES, STATE_NAMES,
-};
-use lashloop_protocol::message::{
-    Arm, ClearFault, CommandResult, DescribeChoice, DescribeLaw, DescribeParameter, EmergencyStop,
-    EnterLoader, GetParameter, Hello, Reference, Reset, SetParameter, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::WATCHDOG_US;
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message};
 
-use super::answers::{counted, forget_time, hello, identity, line_report, of_version, other, sample};
-use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::{BURST, result};
-use super::range::in_type_of;
+use super::answers::of_version;
+use super::damage;
+use super::exchanges::BURST;
 use super::receiver::framed;
 use super::states::LONG_WATCHDOG_US;
-use super::words::Words;
-use super::{damage, reactions};
+use crate::prelude::checks::*;
 
 /// Kinds of the host that no message has, and the lengths of their bodies.
 const UNKNOWN: [(u8, usize); 8] =
@@ -36,7 +21,7 @@ pub(super) fn checks() -> Vec<Check> {
     vec![
         check("R4.16", "an answer has the number of its request, whichever and however often", every_number),
         check("R4.17", "an unknown request is answered as UnknownRequest in every state", |client| {
-            State::ALL.iter().try_for_each(|state| unknown_in(client, *state))
+            client.in_states(State::ALL, unknown_in)
         }),
         check("R4.15 R4.17", "an unknown request counts as a good message", unknown_counted),
         check("R3.4", "a longer body is taken like one of the usual length", longer),
@@ -53,8 +38,7 @@ fn every_number(client: &mut Client) -> RuleResult {
         let index = (place % 2) as u8;
         let read = HostMessage::from(GetParameter { index });
         let bytes: Vec<u8> = part.iter().flat_map(|number| read.numbered_frame(*number).to_vec()).collect();
-        let answers = client.request_bytes(&bytes)?;
-        equal("answers", vec!["ParameterReport"; part.len()], names(&answers))?;
+        of_kinds("answers", &vec!["ParameterReport"; part.len()], client.request_bytes(&bytes)?)?;
     }
     Ok(())
 }
@@ -76,9 +60,7 @@ impl Unknown {
         let requests = all.iter().map(|(choice, _)| DescribeChoice { parameter, choice: *choice }.into());
         let named = client.answers(&requests.collect::<Vec<_>>())?;
         let mut unknown = Self { bytes: Vec::new(), answered: Vec::new(), count: 0 };
-        for ((kind, length), _) in
-            all.into_iter().zip(named).filter(|(_, it)| !matches!(it, DriveMessage::ChoiceDescription(_)))
-        {
+        for ((kind, length), _) in all.into_iter().zip(named).filter(|(_, it)| !is::<ChoiceDescription>(it)) {
             let mut body = vec![1; length];
             body[0] = kind;
             if has_number(kind) {
@@ -97,7 +79,7 @@ impl Unknown {
     pub(super) fn exchange(&self, client: &mut Client, state: State) -> RuleResult {
         let answers = client.request_bytes(&self.bytes)?;
         let wanted = self.answered.iter().map(|request| {
-            let (request, outcome) = (*request, Outcome::UnknownRequest);
+            let (request, outcome) = (*request, UnknownRequest);
             CommandResult { request, outcome, state, detail: 0, device_time_us: None }.into()
         });
         same(&format!("in {state}, to unknown requests"), &wanted.collect::<Vec<_>>(), &answers)
@@ -105,12 +87,10 @@ impl Unknown {
 }
 
 fn unknown_in(client: &mut Client, state: State) -> RuleResult {
-    client.reset()?;
-    client.enter(state)?;
     Unknown::of(client)?.exchange(client, state)?;
     equal("state afterwards", state, client.state)?;
-    if state == State::Running {
-        reactions::first_sample(client)?;
+    if state == Running {
+        first_sample(client)?;
     }
     Ok(())
 }
@@ -118,7 +98,7 @@ fn unknown_in(client: &mut Client, state: State) -> RuleResult {
 fn unknown_counted(client: &mut Client) -> RuleResult {
     let unknown = Unknown::of(client)?;
     client.running(&[])?;
-    unknown.exchange(client, State::Running)?;
+    unknown.exchange(client, Running)?;
     // The markers after Start and after the requests, and Stop.
     let counts = line_report(&client.request(Stop {})?)?;
     equal("line report", counted(unknown.count + 3, 0, 0), counts)
@@ -136,7 +116,7 @@ fn same(what: &str, wanted: &[DriveMessage], got: &[DriveMessage]) -> RuleResult
 fn conversation(client: &Client) -> Result<Vec<HostMessage>, Failure> {
     let session = client.session;
     let watchdog = client.parameter(WATCHDOG_US)?;
-    let value = in_type_of(watchdog, ParameterValue::U32(LONG_WATCHDOG_US));
+    let value = in_type_of(watchdog, U32(LONG_WATCHDOG_US));
     Ok(vec![
         other(session),
         hello(session).into(),
@@ -183,17 +163,16 @@ fn longer(client: &mut Client) -> RuleResult {
 fn minor(client: &mut Client) -> RuleResult {
     for minor_version in [0, MINOR_VERSION.wrapping_add(1), 1 << 7, u8::MAX] {
         client.reset()?;
-        let answers = client.request(Hello { minor_version, ..hello(client.session) })?;
+        let request = Hello { minor_version, ..hello(client.session) };
         let what = format!("to Hello of minor version {minor_version}");
-        equal(&what, vec!["Identity"], names(&answers))?;
-        let it = identity(&answers)?;
-        let wanted = (client.session, client.identity.minor_version, State::Idle);
+        let it = identity(&of_kinds(&what, &["Identity"], client.request(request)?)?)?;
+        let wanted = (client.session, client.identity.minor_version, Idle);
         let got = (it.session, it.minor_version, it.state);
         equal(&format!("{what}: session, minor version, state"), wanted, got)?;
-        let mut body = damage::body(&client.frame(Hello { minor_version, ..hello(client.session) }));
+        let mut body = damage::body(&client.frame(request));
         body.push(0x5a);
-        let answers = client.request_bytes(&framed(&body))?;
-        equal(&format!("{what} with a further byte"), vec!["Identity"], names(&answers))?;
+        let what = format!("{what} with a further byte");
+        of_kinds(&what, &["Identity"], client.request_bytes(&framed(&body))?)?;
         let answers = client.request(Hello { minor_version, ..of_version(0, client.session) })?;
         equal("to Hello of version 0", vec!["Identity", "CommandResult"], names(&answers))?;
     }
@@ -228,7 +207,7 @@ pub(super) fn has_names(client: &mut Client) -> RuleResult {
     if has(Capabilities::BENCH_MODE) {
         let faults = [PowerStage, MotorEncoderLost, LoadEncoderLost, TickOverrun];
         taken.extend(faults.map(|code| (FAULT_NAMES, code.byte())));
-        let refusals = [Outcome::PowerStageFault, Outcome::EncoderImplausible];
+        let refusals = [PowerStageFault, EncoderImplausible];
         taken.extend(refusals.map(|outcome| (OUTCOME_NAMES, outcome.byte())));
     }
     client.arrivals.seen.extend(taken);
@@ -248,9 +227,7 @@ pub(super) fn has_names(client: &mut Client) -> RuleResult {
                     is_named && (it.parameter, it.choice) == (parameter, value)
                 }
                 // A value of the page that this drive does not have.
-                DriveMessage::CommandResult(it) => {
-                    !seen.contains(&value) && it.outcome == Outcome::UnknownIndex
-                }
+                DriveMessage::CommandResult(it) => !seen.contains(&value) && it.outcome == UnknownIndex,
                 _ => false,
             };
             let name = wanted.unwrap_or("a name");
@@ -262,21 +239,17 @@ pub(super) fn has_names(client: &mut Client) -> RuleResult {
 
 /// 0 is in no list, and no side has the kinds 0 and 0x80. Of two bytes without a name a drive may have one.
 fn no_names(client: &mut Client) -> RuleResult {
-    for &state in State::ALL {
-        client.reset()?;
-        client.enter(state)?;
+    client.in_states(State::ALL, |client, state| {
         let lists = [STATE_NAMES, OUTCOME_NAMES, FAULT_NAMES, FLAG_NAMES, KIND_NAMES];
         let none = lists.map(|list| (list, 0)).into_iter().chain([(KIND_NAMES, 0x80)]);
-        let unknown = none.map(|(parameter, choice)| {
-            result(DescribeChoice { parameter, choice }, Outcome::UnknownIndex, state)
-        });
+        let unknown =
+            none.map(|(parameter, choice)| result(DescribeChoice { parameter, choice }, UnknownIndex, state));
         client.exchange(&format!("in {state}"), &unknown.collect::<Vec<_>>())?;
         let pairs = lists.iter().flat_map(|list| [0x5b, 0xb6].map(|choice| (*list, choice)));
         let requests: Vec<_> =
             pairs.map(|(parameter, choice)| DescribeChoice { parameter, choice }.into()).collect();
         let answers = client.answers(&requests)?;
         let has_one = names(&answers).chunks(2).all(|pair| pair.contains(&"CommandResult"));
-        expect(has_one, "UnknownIndex for one of two values without a name", answers.as_slice())?;
-    }
-    Ok(())
+        expect(has_one, "UnknownIndex for one of two values without a name", answers.as_slice())
+    })
 }

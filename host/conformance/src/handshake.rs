@@ -1,17 +1,8 @@
 //! Handshake: identity and protocol version.
 
-use lashloop_protocol::PROTOCOL_VERSION;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::limits::MAX_PARAMETERS;
-use lashloop_protocol::message::{Arm, EmergencyStop, Hello, Identity};
-
-use super::answers::{hello, identity, of_version, other, outcome};
-use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::result;
+use super::answers::of_version;
 use super::sessions;
-use super::words::Words;
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -54,45 +45,27 @@ fn fields(client: &mut Client) -> RuleResult {
 
 /// The fields that nothing changes.
 fn fixed(it: Identity) -> Identity {
-    Identity {
-        session: 0,
-        state: State::Boot,
-        period_us: 0,
-        motor_counts_per_rev: 0,
-        load_counts_per_rev: 0,
-        ..it
-    }
+    Identity { session: 0, state: Boot, period_us: 0, motor_counts_per_rev: 0, load_counts_per_rev: 0, ..it }
 }
 
 fn constant(client: &mut Client) -> RuleResult {
     let wanted = fixed(client.identity);
-    for &state in State::ALL {
-        client.reset()?;
-        client.enter(state)?;
-        for request in [other(client.session), hello(client.session).into(), hello(client.session ^ 1).into()]
-        {
+    client.in_states(State::ALL, |client, state| {
+        let session = client.session;
+        for request in [other(session), hello(session).into(), hello(session ^ 1).into()] {
             let it = identity(&client.request(request)?)?;
-            if fixed(it) != wanted {
-                let [wanted, got] = [wanted, it].map(text);
-                return Err(broken(
-                    format!("in {state:?} the Identity of the first handshake: {wanted}"),
-                    got,
-                ));
-            }
+            let what = format!("in {state:?} the Identity of the first handshake: {}", wanted.words());
+            expect(fixed(it) == wanted, what, it)?;
         }
-    }
-    Ok(())
-}
-
-fn text(it: Identity) -> String {
-    lashloop_protocol::DriveMessage::from(it).words()
+        Ok(())
+    })
 }
 
 /// `Identity` holds whole numbers: the page leaves open how a fraction of an `F32` is rounded.
 fn whole(value: ParameterValue) -> Option<u32> {
     match value {
-        ParameterValue::U32(value) => Some(value),
-        ParameterValue::F32(value) => (value.fract() == 0.0).then_some(value as u32),
+        U32(value) => Some(value),
+        F32(value) => (value.fract() == 0.0).then_some(value as u32),
         ParameterValue::Unknown { .. } => None,
     }
 }
@@ -119,10 +92,9 @@ const NAMES: [&str; 3] = ["period_us", "motor_counts_per_rev", "load_counts_per_
 
 /// Sets period and counts per revolution of motor and load to the nearest numbers in range.
 fn put(client: &mut Client, wished: [u32; 3]) -> RuleResult {
-    use super::range::nearest_whole;
     for (name, wished) in NAMES.into_iter().zip(wished) {
         let value = nearest_whole(client.parameter(name)?, wished)?;
-        client.put(name, ParameterValue::U32(value))?;
+        client.put(name, U32(value))?;
     }
     Ok(())
 }
@@ -146,11 +118,11 @@ fn no_session(client: &mut Client) -> RuleResult {
         client.reset()?;
         client.request(of_version(protocol_version, session))?;
         let when = format!("after a Hello of version {protocol_version}");
-        client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, State::Boot)])?;
+        client.exchange(&when, &[result(Arm { session }, WrongSession, Boot)])?;
         client.idle()?;
         client.burst(&[of_version(protocol_version, session ^ 1).into(); 2])?;
-        let stale = result(Arm { session: session ^ 1 }, Outcome::WrongSession, State::Idle);
-        client.exchange(&when, &[stale, result(Arm { session }, Outcome::Accepted, State::Armed)])?;
+        let stale = result(Arm { session: session ^ 1 }, WrongSession, Idle);
+        client.exchange(&when, &[stale, result(Arm { session }, Accepted, Armed)])?;
     }
     Ok(())
 }
@@ -163,8 +135,8 @@ fn other_version(client: &mut Client) -> Result<(), Failure> {
             let it = identity(&answers)?;
             equal("version and session", (PROTOCOL_VERSION, session), (it.protocol_version, it.session))?;
             let what = format!("to Hello of version {protocol_version}");
-            equal(&what, Outcome::VersionMismatch, outcome::<Hello>(&answers)?)?;
-            equal("state", State::Boot, client.state)?;
+            equal(&what, VersionMismatch, outcome::<Hello>(&answers)?)?;
+            equal("state", Boot, client.state)?;
         }
     }
     Ok(())

@@ -1,15 +1,13 @@
 //! From the end of a check to its status, and the end of the whole run.
 
 use std::collections::HashMap;
-use std::time::{Duration, Instant};
-
-use lashloop_session::SessionError;
 
 use super::assertion::{Failure, RuleResult};
 use super::check::Check;
 use super::client::{Client, REQUEST_LIMIT};
 use super::result::{CheckResult, CheckStatus};
 use super::time_up::{Starvation, TimeUp};
+use crate::prelude::wire::*;
 
 /// Time for all checks of any drive. A line of 115,200 Bd takes two thirds of it.
 pub const TIME_LIMIT: Duration = Duration::from_secs(60);

@@ -1,17 +1,9 @@
 //! Latency of answers: the limit, and quantiles for the note.
 
-use std::time::Duration;
-
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
 use lashloop_protocol::sequence::of_step;
-use lashloop_protocol::wire::Payload;
 
-use super::answers::{hello, sample};
-use super::assertion::{Failure, equal, expect, names};
-use super::check::{Check, check};
-use super::client::Client;
 use super::judge::ATTEMPTS;
+use crate::prelude::checks::*;
 
 /// Latency limit. A drive needs some 100 us; the limit leaves time for an emulator on a busy machine, so that only a hung
 /// drive exceeds it.

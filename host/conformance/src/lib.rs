@@ -60,6 +60,7 @@ mod moment;
 mod parameters;
 mod pins;
 mod power_stage;
+mod prelude;
 mod profile_pd;
 mod range;
 mod reactions;

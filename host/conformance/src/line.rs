@@ -1,15 +1,8 @@
 //! The line report: what the drive's receiver counts, and since when.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, LineReport, Reset, Start, Stop};
-
-use super::answers::{counted, hello, line_report, other, sample};
-use super::assertion::{Failure, RuleResult, equal};
-use super::check::{Check, check};
-use super::client::Client;
 use super::damage;
 use super::receiver::{foreign, request};
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -36,8 +29,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.send_bytes(&damaged())?;
             client.request(Stop {})?;
             client.send_bytes(b"noise between runs\0")?;
-            client.arm()?;
-            client.start()?;
+            client.arm_and_start()?;
             reported(client, counted(2, 0, 0))
         }),
         check("R4.15 R6.3", "only a Start that is accepted restarts the counts", only_start),

@@ -1,8 +1,7 @@
 //! Time by the drive's clock: an emulated drive and its line are slower than the bench.
 
-use std::time::{Duration, Instant};
-
 use super::client::Client;
+use crate::prelude::wire::*;
 
 /// The moment of the latest answer, by the drive's clock if it has one.
 #[derive(Clone, Copy)]

@@ -2,24 +2,7 @@
 //!
 //! No check starts a run in bench mode, or the boot loader of a drive that has one.
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Capabilities, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{Arm, CommandResult, EnterLoader, Reference, Start, Stop};
-use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, TORQUE_LIMIT_NM};
-use lashloop_protocol::wire::Payload;
-use lashloop_session::Parameter;
-
-use super::answers::{command_result, sample};
-use super::assertion::{Failure, RuleResult, broken, equal, expect, names, skip};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::result;
-use super::range::{holds, nearest_real};
-use super::reactions::{accepted, first_sample, no_torque};
-use super::words::Words;
-
-use Outcome::{Accepted, EncoderImplausible, Inconsistent, PowerStageFault, WrongSession, WrongState};
-use State::{Armed, Boot, Idle, Running};
+use crate::prelude::checks::*;
 
 /// The parameters of bench mode after the first, with their types and units.
 const PARAMETERS: [(&str, ParameterType, &str); 9] = [
@@ -36,7 +19,7 @@ const PARAMETERS: [(&str, ParameterType, &str); 9] = [
 /// Choices of `sample_source`, and those of a direction, from 0.
 const SOURCES: [&str; 2] = ["link", "pins"];
 const DIRECTIONS: [&str; 2] = ["forward", "reverse"];
-pub(super) const PINS: ParameterValue = ParameterValue::U32(1);
+pub(super) const PINS: ParameterValue = U32(1);
 /// Least and largest details of the refusals by the hardware.
 const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 5]), (EncoderImplausible, [1, 5])];
 /// The encoders were not read since power-up.
@@ -64,7 +47,7 @@ fn parameters(client: &mut Client) -> RuleResult {
         return Ok(());
     }
     let it = client.parameter(SAMPLE_SOURCE)?;
-    equal(&format!("default of {SAMPLE_SOURCE}"), ParameterValue::U32(0), it.default)?;
+    equal(&format!("default of {SAMPLE_SOURCE}"), U32(0), it.default)?;
     let directions = ["motor_direction", "load_direction", "torque_direction"].map(|it| (it, DIRECTIONS));
     for (name, wanted) in [(SAMPLE_SOURCE, SOURCES)].into_iter().chain(directions) {
         let choices = &client.parameter(name)?.choices;
@@ -83,9 +66,7 @@ fn parameters(client: &mut Client) -> RuleResult {
 
 /// A drive without bench mode may not know the message, and gives no answer.
 fn reference(client: &mut Client) -> RuleResult {
-    for &state in State::ALL {
-        client.reset()?;
-        client.enter(state)?;
+    client.in_states(State::ALL, |client, state| {
         if state == Running {
             first_sample(client)?;
         }
@@ -93,10 +74,10 @@ fn reference(client: &mut Client) -> RuleResult {
             refuses_reference(client, Reference { number, reference_rad }, state)?;
         }
         if state == Running {
-            accepted(client, sample(1), TorqueFlags::empty())?;
+            accepted(client, sample(1), NONE)?;
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 pub(super) fn refuses_reference(client: &mut Client, reference: Reference, state: State) -> RuleResult {
@@ -142,7 +123,7 @@ fn arming(client: &mut Client) -> RuleResult {
     client.reset()?;
     bench(client, [("duty_min", |it| it.max), ("duty_offset", |it| it.min)])?;
     // They count in bench mode only.
-    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+    client.put(SAMPLE_SOURCE, U32(0))?;
     client.exchange("in HIL mode", &[result(Arm { session }, Accepted, Armed)])?;
     client.reset()?;
     bench(client, [("duty_max", |it| it.min), ("duty_offset", |it| it.max)])?;
@@ -156,7 +137,7 @@ fn arming(client: &mut Client) -> RuleResult {
     client.idle()?;
     client.put_all(&[
         (SAMPLE_SOURCE, PINS),
-        (TORQUE_LIMIT_NM, ParameterValue::F32(no_torque_nm)),
+        (TORQUE_LIMIT_NM, F32(no_torque_nm)),
         ("duty_min", offset),
         ("duty_max", offset),
     ])?;
@@ -203,12 +184,9 @@ fn duties(client: &mut Client) -> RuleResult {
     let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, 1.0)?;
     let scale_nm = nearest_real(client.parameter("torque_per_duty_nm")?, 4.0 * limit_nm)?;
     let offset = client.parameter("duty_offset")?.default;
-    let ParameterValue::F32(center) = offset else { return Ok(()) };
+    let F32(center) = offset else { return Ok(()) };
     let width = limit_nm / scale_nm;
-    let scale = [
-        (TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm)),
-        ("torque_per_duty_nm", ParameterValue::F32(scale_nm)),
-    ];
+    let scale = [(TORQUE_LIMIT_NM, F32(limit_nm)), ("torque_per_duty_nm", F32(scale_nm))];
     client.idle()?;
     widest_duties(client)?;
     client.put_all(&scale)?;
@@ -217,7 +195,7 @@ fn duties(client: &mut Client) -> RuleResult {
     }
     for (name, outwards) in [("duty_min", -width), ("duty_max", width)] {
         for (fraction, is_consistent) in [(1.001, true), (1.0, true), (0.999, false), (0.5, false)] {
-            let duty = ParameterValue::F32(center + outwards * fraction);
+            let duty = F32(center + outwards * fraction);
             if !holds(client.parameter(name)?, duty) {
                 return skip("not run: the ranges of the duty exclude a setting of this check");
             }
@@ -242,8 +220,8 @@ fn duties(client: &mut Client) -> RuleResult {
 /// Arms, and requires an outcome of the page with its detail.
 pub(super) fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
     let session = client.session;
-    let answers = client.request(Arm { session })?;
-    equal("answers to Arm in bench mode", vec!["CommandResult"], names(&answers))?;
+    let what = "answers to Arm in bench mode";
+    let answers = of_kinds(what, &["CommandResult"], client.request(Arm { session })?)?;
     let it = command_result(&Arm::LAYOUT, &answers)?;
     let [least, most] = match it.outcome {
         Accepted => [0, 0],
@@ -268,9 +246,7 @@ pub(super) fn arm(client: &mut Client) -> Result<CommandResult, Failure> {
 
 fn loader(client: &mut Client) -> RuleResult {
     let session = client.session;
-    for &state in State::ALL {
-        client.reset()?;
-        client.enter(state)?;
+    client.in_states(State::ALL, |client, state| {
         let when = format!("in {state}");
         if has(client, Capabilities::LOADER) {
             client.exchange(&when, &[result(EnterLoader { session: session ^ 1 }, WrongSession, state)])?;
@@ -278,18 +254,17 @@ fn loader(client: &mut Client) -> RuleResult {
             if state != Idle {
                 client.exchange(&when, &[result(EnterLoader { session }, outcome, state)])?;
             }
-            continue;
+            return Ok(());
         }
         for session in [session ^ 1, session] {
-            let answers = client.request(EnterLoader { session })?;
-            equal(&format!("{when}, answers to EnterLoader"), vec!["CommandResult"], names(&answers))?;
+            let what = format!("{when}, answers to EnterLoader");
+            let answers = of_kinds(&what, &["CommandResult"], client.request(EnterLoader { session })?)?;
             let it = command_result(&EnterLoader::LAYOUT, &answers)?;
-            let is_refused = matches!(it.outcome, WrongState | Outcome::UnknownRequest);
+            let is_refused = matches!(it.outcome, WrongState | UnknownRequest);
             let expected =
                 format!("{when}, from a drive without a boot loader, WrongState or UnknownRequest");
             expect(is_refused && (it.state, it.detail) == (state, 0), expected, it)?;
         }
-        equal(&format!("{when}, state afterwards"), state, client.state)?;
-    }
-    Ok(())
+        equal(&format!("{when}, state afterwards"), state, client.state)
+    })
 }

@@ -1,15 +1,6 @@
 //! The optional profile `pd`: the law of that name against the golden trace of the specification.
 
-use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::parameter_names::CONTROLLER;
-use lashloop_protocol::{DriveMessage, EncoderCounts};
-
-use super::answers::torque;
-use super::assertion::{Failure, RuleResult, equal, expect, skip};
-use super::check::{Check, check};
-use super::client::Client;
-use super::range::{holds, in_type_of};
+use crate::prelude::checks::*;
 
 /// Name of the law.
 const LAW: &str = "pd";
@@ -21,8 +12,6 @@ const PARAMETERS: &str = include_str!("../../../protocol/golden/pd-parameters.cs
 const TRACE: &str = include_str!("../../../protocol/golden/pd.csv");
 /// Parameters of [`PARAMETERS`] that every drive has.
 const OF_EVERY_DRIVE: usize = 6;
-
-type Settings = Vec<(&'static str, ParameterValue)>;
 
 pub(super) fn checks() -> Vec<Check> {
     let replayed = |run| {
@@ -39,9 +28,11 @@ fn offered(client: &Client) -> Result<u32, Failure> {
         return skip("the drive has no law pd, so it does not offer the profile");
     };
     let has = |name: &str| {
-        client.description.parameters.iter().any(|it| {
-            it.name == name && it.laws.contains(law.index) && matches!(it.default, ParameterValue::F32(_))
-        })
+        client
+            .description
+            .parameters
+            .iter()
+            .any(|it| it.name == name && it.laws.contains(law.index) && matches!(it.default, F32(_)))
     };
     if !settings(RUNS[0]).iter().skip(OF_EVERY_DRIVE).all(|(name, _)| has(name)) {
         return skip("the law pd of this drive lacks a parameter of the profile, so it is another law");
@@ -60,7 +51,7 @@ fn replay(client: &mut Client, run: &str) -> RuleResult {
         }
     }
     if client.description.parameters.iter().any(|it| it.name == CONTROLLER) {
-        settings.push((CONTROLLER, ParameterValue::U32(law)));
+        settings.push((CONTROLLER, U32(law)));
     }
     client.running(&settings)?;
     let rows = rows(run);
@@ -70,7 +61,7 @@ fn replay(client: &mut Client, run: &str) -> RuleResult {
         let at = format!("sample {}:", sample.sequence);
         let answer: &[DriveMessage] = answers.get(place..=place).unwrap_or_default();
         let answer = torque(answer)?;
-        equal(&format!("{at} state"), State::Running, answer.status.state)?;
+        equal(&format!("{at} state"), Running, answer.status.state)?;
         equal(&format!("{at} flag GAP"), *is_gap, answer.status.flags.contains(TorqueFlags::GAP))?;
         let is_near = (answer.torque_nm - torque_nm).abs() <= TOLERANCE_NM;
         expect(is_near, format!("{at} torque {torque_nm} N m to {TOLERANCE_NM} N m"), answer.torque_nm)?;
@@ -79,14 +70,12 @@ fn replay(client: &mut Client, run: &str) -> RuleResult {
 }
 
 /// The parameters of a run, as the Lashloop drive has them.
-fn settings(run: &str) -> Settings {
+fn settings(run: &str) -> Vec<Setting> {
     let rows = PARAMETERS.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let column = 2 + RUNS.iter().position(|name| *name == run).expect("a run of the trace");
     let value = |row: &[&str]| match row[column].parse() {
-        Ok(whole) if row[0] == "period_us" || row[0].ends_with("_counts_per_rev") => {
-            ParameterValue::U32(whole)
-        }
-        _ => ParameterValue::F32(row[column].parse().expect("a number")),
+        Ok(whole) if row[0] == "period_us" || row[0].ends_with("_counts_per_rev") => U32(whole),
+        _ => F32(row[column].parse().expect("a number")),
     };
     rows.skip(1).map(|row| (row[0], value(&row))).collect()
 }
@@ -126,7 +115,7 @@ mod tests {
             let settings = settings(run);
             assert_eq!(settings.len(), 19);
             assert_eq!(settings[OF_EVERY_DRIVE].0, "reduction_ratio");
-            assert!(matches!(settings[0], ("period_us", ParameterValue::U32(_))));
+            assert!(matches!(settings[0], ("period_us", U32(_))));
             assert!(rows(run).iter().any(|row| row.is_gap));
         }
     }

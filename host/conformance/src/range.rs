@@ -1,11 +1,9 @@
 //! The ranges of parameters, as the drive describes them.
 
-use lashloop_protocol::enums::{ParameterType, ParameterValue};
-use lashloop_session::Parameter;
-
 use super::assertion::{Failure, broken, preparation};
 use super::client::Client;
 use super::words::Words;
+use crate::prelude::wire::*;
 
 /// Bytes of types without a name.
 const UNKNOWN_TYPES: [u8; 3] = [3, 0x81, u8::MAX];
@@ -24,7 +22,6 @@ pub(super) fn beyond(client: &Client, count: u8, last: u8) -> Vec<u8> {
 
 /// Whether a value has the type of a parameter and lies within its range.
 pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
-    use ParameterValue::{F32, U32};
     match (parameter.min, value, parameter.max) {
         (U32(min), U32(value), U32(max)) => (min..=max).contains(&value),
         (F32(min), F32(value), F32(max)) => (min..=max).contains(&value),
@@ -36,10 +33,8 @@ pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
 pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, Failure> {
     let nearest = match (parameter.min, parameter.max) {
         // A drive may describe an inverted range, on which `clamp` would panic.
-        (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
-        (ParameterValue::F32(min), ParameterValue::F32(max)) => {
-            Ok((wished as f32).max(min.ceil()).min(max.floor()) as u32)
-        }
+        (U32(min), U32(max)) => Ok(wished.max(min).min(max)),
+        (F32(min), F32(max)) => Ok((wished as f32).max(min.ceil()).min(max.floor()) as u32),
         range => Err(broken(format!("{}: min and max of one type", parameter.name), range.words())),
     };
     preparation(format!("the range of {}", parameter.name), nearest)
@@ -48,7 +43,7 @@ pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, F
 /// The value nearest to `wished` in the range of a real parameter.
 pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
     let nearest = match (parameter.min, parameter.max) {
-        (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
+        (F32(min), F32(max)) => Ok(wished.max(min).min(max)),
         range => Err(broken(format!("{}: min and max of type F32", parameter.name), range.words())),
     };
     preparation(format!("the range of {}", parameter.name), nearest)
@@ -57,14 +52,13 @@ pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Fa
 /// An integer as a value of the parameter's type; any other value as it is.
 pub(super) fn in_type_of(parameter: &Parameter, value: ParameterValue) -> ParameterValue {
     match (parameter.default, value) {
-        (ParameterValue::F32(_), ParameterValue::U32(whole)) => ParameterValue::F32(whole as f32),
+        (F32(_), U32(whole)) => F32(whole as f32),
         _ => value,
     }
 }
 
 /// Values outside the range: the nearest, those that another width or sign of integer maps into it, infinities and NaN.
 pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
-    use ParameterValue::{F32, U32};
     match (parameter.min, parameter.max) {
         (U32(min), U32(max)) => {
             let nearest =
@@ -87,7 +81,7 @@ pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
 
 /// The number and the bits of the default as the other type, and its bits as types that no parameter has.
 pub(super) fn of_other_type(parameter: &Parameter) -> Vec<ParameterValue> {
-    use ParameterValue::{F32, U32, Unknown};
+    use ParameterValue::Unknown;
     let (mut values, bits) = match parameter.default {
         U32(value) => (vec![F32(value as f32), F32(f32::from_bits(value))], value),
         F32(value) => (vec![U32(value as u32), U32(value.to_bits())], value.to_bits()),
@@ -102,7 +96,6 @@ pub(super) fn of_other_type(parameter: &Parameter) -> Vec<ParameterValue> {
 
 /// A value next to the default; the default if the range holds no other.
 pub(super) fn neighbour(parameter: &Parameter) -> ParameterValue {
-    use ParameterValue::{F32, U32};
     let candidates = match parameter.default {
         U32(value) => [value.checked_add(1), value.checked_sub(1)].map(|value| value.map(U32)),
         // No denormal number: a floating-point unit may flush it to zero.
@@ -115,7 +108,6 @@ pub(super) fn neighbour(parameter: &Parameter) -> ParameterValue {
 
 /// The value at this fraction of the range, or the default if the range has no such value.
 pub(super) fn within(parameter: &Parameter, fraction: f64) -> ParameterValue {
-    use ParameterValue::{F32, U32};
     let between = |min: f64, max: f64| min + fraction * (max - min);
     let value = match (parameter.min, parameter.max) {
         (U32(min), U32(max)) => U32(between(min.into(), max.into()).round() as u32),

@@ -3,22 +3,10 @@
 //! Each check of damage is one run in one or a few writes: `Start` restarts the counts, the bytes follow, `Stop` returns
 //! the counts. The counts show that every frame was found damaged, or refused, once.
 
-use std::time::Duration;
+use lashloop_protocol::crc;
 
-use lashloop_protocol::enums::{State, TorqueFlags};
-use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{
-    EmergencyStop, EnterLoader, GetParameter, ParameterReport, Reference, Reset, SetParameter, Stop,
-};
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, crc};
-
-use super::answers::{counted, hello, line_report, sample, torque};
-use super::assertion::{RuleResult, broken, equal, names};
-use super::check::{Check, check};
-use super::client::Client;
 use super::damage;
-use super::words::Words;
+use crate::prelude::checks::*;
 
 /// A pause in a frame. The page has no timeout for one.
 const PAUSE: Duration = Duration::from_millis(60);
@@ -150,10 +138,10 @@ fn no_effect(client: &mut Client) -> RuleResult {
             "after damaged and refused copies of {}, answers to sample {sequence}",
             message.layout().name
         );
-        equal(&after, vec!["TorqueAnswer"], names(&answers))?;
-        let flags = torque(&answers)?.status.flags - TorqueFlags::SATURATED;
-        equal(&after, TorqueFlags::empty(), flags)?;
-        equal(&after, State::Running, client.state)?;
+        let flags =
+            torque(&of_kinds(&after, &["TorqueAnswer"], answers)?)?.status.flags - TorqueFlags::SATURATED;
+        equal(&after, NONE, flags)?;
+        equal(&after, Running, client.state)?;
     }
     Ok(())
 }
@@ -230,10 +218,7 @@ fn too_short(session: u32) -> Vec<Vec<u8>> {
 /// Sends bytes and requires a report for each of these parameters, in order, and no other answer.
 fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     let answers = client.request_bytes(bytes)?;
-    let reported = answers.iter().map(|answer| match answer {
-        DriveMessage::ParameterReport(report) => Some(report.index),
-        _ => None,
-    });
+    let reported = answers.iter().map(|it| Some(of::<ParameterReport>(it)?.index));
     if reported.eq(indices.iter().copied().map(Some)) {
         return Ok(());
     }
@@ -246,9 +231,8 @@ fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, ref
     client.running(&[])?;
     let bytes: Vec<u8> = frames.iter().flat_map(|frame| frame.as_ref().to_vec()).collect();
     client.send_bytes(&bytes)?;
-    let answers = client.request(Stop {})?;
-    let kinds = vec!["LineReport", "CommandResult"];
-    equal("answers to these frames and to Stop", kinds, names(&answers))?;
+    let kinds = ["LineReport", "CommandResult"];
+    let answers = of_kinds("answers to these frames and to Stop", &kinds, client.request(Stop {})?)?;
     // The marker after Start, and Stop.
     let [damaged, refused] = [damaged, refused].map(|count| count as u32);
     equal("report", counted(2, damaged, refused), line_report(&answers)?)

@@ -1,25 +1,9 @@
 //! The first requests after a `Reset`, and runs and faults many times: a drive that errs only once, or only later, errs here.
 
-use lashloop_protocol::enums::ParameterValue;
-use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, Reset, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::CONTROLLER;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
-
-use super::answers::{fault, forget_time, hello, identity, latched, line_report, sample, torque};
-use super::assertion::{RuleResult, broken, equal, names};
-use super::check::{Check, check};
-use super::client::Client;
 use super::constancy::{COPIES, unknown_indices};
-use super::exchanges::{reads, result, sets};
 use super::receiver;
 use super::telemetry::subscription::{law_signals, signals};
-use super::words::Words;
-
-use State::{Boot, Faulted, Idle};
+use crate::prelude::checks::*;
 
 /// Resets in one write, each with a frame after it.
 const RESETS: usize = 4;
@@ -45,26 +29,25 @@ fn first_requests(client: &mut Client) -> RuleResult {
     let session = client.session;
     let mut exchanges = unknown_indices(client, Boot);
     exchanges.extend([
-        result(Subscribe { signals: 0, every: 0 }, Outcome::WrongState, Boot),
-        result(Arm { session }, Outcome::WrongSession, Boot),
-        result(Start { session }, Outcome::WrongSession, Boot),
-        result(sample(0), Outcome::WrongState, Boot),
+        result(Subscribe { signals: 0, every: 0 }, WrongState, Boot),
+        result(Arm { session }, WrongSession, Boot),
+        result(Start { session }, WrongSession, Boot),
+        result(sample(0), WrongState, Boot),
     ]);
     if let Some(it) = client.description.parameters.first() {
         exchanges.push(reads(it.index, it.default, Boot));
-        exchanges.push(sets(it.index, it.max, Outcome::WrongState, it.default, Boot));
+        exchanges.push(sets(it.index, it.max, WrongState, it.default, Boot));
     }
     for exchange in exchanges {
-        client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
+        client.exchange("right after Reset", &[result(Reset {}, Accepted, Boot), exchange])?;
     }
     for frames in [receiver::damaged(), receiver::foreign()].concat().chunks(RESETS) {
         let mut bytes = Vec::new();
         for frame in frames {
             bytes.extend([&*client.frame(Reset {}), frame].concat());
         }
-        let answers = client.request_bytes(&bytes)?;
-        let kinds = vec!["CommandResult"; frames.len()];
-        equal("answers to a Reset before each of some frames that aren't requests", kinds, names(&answers))?;
+        let what = "answers to a Reset before each of some frames that aren't requests";
+        of_kinds(what, &vec!["CommandResult"; frames.len()], client.request_bytes(&bytes)?)?;
     }
     Ok(())
 }
@@ -79,14 +62,9 @@ fn runs(client: &mut Client) -> RuleResult {
             if number == 1 || number > copies {
                 client.reset()?;
                 client.long_watchdog()?;
-                if client.description.laws.len() > 1 {
-                    client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
-                }
+                client.put_law(law.index)?;
                 let signals = signals_of(client, law.index);
-                client.exchange(
-                    "in Idle",
-                    &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)],
-                )?;
+                client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Accepted, Idle)])?;
             }
             let mut answers = client.burst(&one_run(client.session))?;
             let what = format!("run {number} of {}", law.name);
@@ -129,7 +107,7 @@ fn signals_of(client: &Client, law: u8) -> u32 {
 fn faults(client: &mut Client) -> RuleResult {
     client.long_watchdog()?;
     let signals = signals(client).unwrap_or(0);
-    client.exchange("in Idle", &[result(Subscribe { signals, every: 1 }, Outcome::Accepted, Idle)])?;
+    client.exchange("in Idle", &[result(Subscribe { signals, every: 1 }, Accepted, Idle)])?;
     let with_telemetry = signals != 0;
     (1..=client.repetitions(COPIES) as u16).try_for_each(|number| one_fault(client, number, with_telemetry))
 }
@@ -152,18 +130,14 @@ fn one_fault(client: &mut Client, number: u16, with_telemetry: bool) -> RuleResu
     };
     let sequence = if by_sample { count } else { count.saturating_sub(1) };
     let wanted = latched(code, sequence, value);
-    let answers = client.burst(&requests)?;
     let mut kinds = vec!["CommandResult"; 2];
     let of_sample: &[_] = if with_telemetry { &["TorqueAnswer", "Telemetry"] } else { &["TorqueAnswer"] };
     kinds.extend(of_sample.repeat(usize::from(count)));
     kinds.extend(if by_sample { ["TorqueAnswer", "FaultReport"] } else { ["FaultReport", "CommandResult"] });
-    equal(&format!("{what}: answers"), kinds, names(&answers))?;
+    let answers = of_kinds(&format!("{what}: answers"), &kinds, client.burst(&requests)?)?;
     equal(&what, wanted, fault(&answers)?)?;
-    for answer in &answers {
-        if let DriveMessage::TorqueAnswer(it) = answer {
-            let flags = it.status.flags - TorqueFlags::SATURATED;
-            equal(&format!("{what}: flags"), TorqueFlags::empty(), flags)?;
-        }
+    for it in answers.iter().filter_map(of::<TorqueAnswer>) {
+        equal(&format!("{what}: flags"), NONE, it.status.flags - TorqueFlags::SATURATED)?;
     }
     equal(&format!("{what}: state"), Faulted, client.state)?;
     let own = latched(FaultCode::EmergencyStop, sequence, 0.0);
@@ -172,12 +146,9 @@ fn one_fault(client: &mut Client, number: u16, with_telemetry: bool) -> RuleResu
     equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;
     equal(&format!("{what}: after the Identity"), wanted, fault(&answers)?)?;
     let answer = torque(&client.sample(count)?)?;
-    equal(
-        &format!("{what}: torque and state of a sample"),
-        (0.0, Faulted),
-        (answer.torque_nm, answer.status.state),
-    )?;
-    client.exchange(&what, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
+    let got = (answer.torque_nm, answer.status.state);
+    equal(&format!("{what}: torque and state of a sample"), (0.0, Faulted), got)?;
+    client.exchange(&what, &[result(ClearFault {}, Accepted, Idle)])?;
     let answers = client.request(hello(session))?;
     equal(&format!("{what}: after ClearFault, answers to Hello"), vec!["Identity"], names(&answers))
 }

@@ -1,19 +1,11 @@
 //! Requests by name, for the checks and their preparation.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{
-    GetParameter, Identity, ParameterReport, SetParameter, Start, TorqueAnswer,
-};
-use lashloop_protocol::parameter_names::CONTROLLER;
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
-use lashloop_session::Parameter;
-
-use super::answers::{command_result, hello, identity, report, sample, torque};
+use super::answers::{command_result, hello, identity, is, report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal, preparation};
 use super::client::Client;
 use super::range::in_type_of;
 use super::words::Words;
+use crate::prelude::wire::*;
 
 impl Client {
     /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
@@ -34,10 +26,10 @@ impl Client {
 
     pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
         let request = hello(session);
-        if self.state == State::Faulted {
+        if self.state == Faulted {
             return identity(&self.request(request)?);
         }
-        identity(&self.request_until(request, |answer| matches!(answer, DriveMessage::Identity(_)))?)
+        identity(&self.request_until(request, is::<Identity>)?)
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
@@ -49,7 +41,7 @@ impl Client {
     /// Index of the law in force after a reset.
     pub(super) fn default_law(&self) -> u8 {
         match self.parameter(CONTROLLER).map(|it| it.default) {
-            Ok(ParameterValue::U32(index)) => index as u8,
+            Ok(U32(index)) => index as u8,
             _ => 0,
         }
     }
@@ -61,9 +53,15 @@ impl Client {
         let index = parameter.index;
         let value = in_type_of(parameter, value);
         let set = self.set(index, value).and_then(|report| {
-            equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
+            equal(&format!("{name} = {value}:"), (Accepted, value), (report.outcome, report.value))
         });
         preparation(format!("SetParameter {name}"), set)
+    }
+
+    /// Puts a law in force; a drive with one law may have no parameter for it.
+    pub(super) fn put_law(&mut self, law: u8) -> RuleResult {
+        let is_needed = self.description.laws.len() > 1 || self.parameter(CONTROLLER).is_ok();
+        if is_needed { self.put(CONTROLLER, U32(law.into())) } else { Ok(()) }
     }
 
     /// As [`Self::put`], for several parameters.
@@ -83,7 +81,7 @@ impl Client {
     pub(super) fn real(&mut self, name: &str) -> Result<f32, Failure> {
         let index = self.parameter(name)?.index;
         let value = self.get(index).and_then(|report| match report.value {
-            ParameterValue::F32(value) => Ok(value),
+            F32(value) => Ok(value),
             value => Err(broken(format!("{name} of type F32"), value.ty().words())),
         });
         preparation(format!("GetParameter {name}"), value)

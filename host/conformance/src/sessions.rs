@@ -1,23 +1,7 @@
 //! Sessions: whose `Arm` and `Start` a drive accepts, and what a session begins, ends and keeps.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    EncoderSample, GetParameter, Identity, Reset, SetParameter, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::WATCHDOG_US;
-
-use super::answers::{fault, hello, identity, latched, other, sample, torque};
-use super::assertion::{Failure, RuleResult, equal, names};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::result;
-use super::reactions::no_torque;
 use super::states::LONG_WATCHDOG_US;
-
-use Outcome::{Accepted, WrongSession};
-use State::{Armed, Boot, Faulted, Idle, Running};
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -46,7 +30,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             client.torque(0)?;
             let answers = client.request(hello(client.session ^ 1 << 31))?;
-            equal("answers", vec!["Identity"], names(&answers))?;
+            let answers = of_kinds("answers", &["Identity"], answers)?;
             equal("state", Idle, identity(&answers)?.state)?;
             no_torque(client, 1, Idle)
         }),
@@ -69,7 +53,7 @@ fn every_number(client: &mut Client) -> RuleResult {
         client.reset()?;
         let it = client.handshake(session)?;
         equal("session and state", (session, Idle), (it.session, it.state))?;
-        client.put(WATCHDOG_US, ParameterValue::U32(LONG_WATCHDOG_US))?;
+        client.put(WATCHDOG_US, U32(LONG_WATCHDOG_US))?;
         let armed = result(Arm { session }, Accepted, Armed);
         let running = result(Start { session }, Accepted, Running);
         client.exchange(&format!("in session {session}"), &[armed, running])?;
@@ -155,20 +139,18 @@ fn report_of_latched(client: &mut Client) -> RuleResult {
     client.request(Stop {})?;
     client.sample(3)?;
     let session = client.session;
-    let with_result = vec!["Identity", "FaultReport", "CommandResult"];
-    let without: Vec<_> = with_result[..2].to_vec();
-    let hellos: [(HostMessage, _); 5] = [
-        (hello(session).into(), &without),
+    let with_result = ["Identity", "FaultReport", "CommandResult"];
+    let without = &with_result[..2];
+    let hellos: [(HostMessage, &[_]); 5] = [
+        (hello(session).into(), without),
         (other(session), &with_result),
-        (hello(session ^ 1).into(), &without),
-        (hello(session ^ 2).into(), &without),
-        (hello(session ^ 2).into(), &without),
+        (hello(session ^ 1).into(), without),
+        (hello(session ^ 2).into(), without),
+        (hello(session ^ 2).into(), without),
     ];
     for (request, kinds) in hellos {
-        let answers = client.request(request)?;
-        equal("answers", kinds.clone(), names(&answers))?;
-        let Identity { state, .. } = identity(&answers)?;
-        equal("state", Faulted, state)?;
+        let answers = of_kinds("answers", kinds, client.request(request)?)?;
+        equal("state", Faulted, identity(&answers)?.state)?;
         equal("after the Identity", wanted, fault(&answers)?)?;
     }
     equal("ClearFault", (Accepted, Idle), client.command(ClearFault {})?)?;

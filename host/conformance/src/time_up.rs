@@ -1,8 +1,8 @@
 //! The end of the time for a check.
 
-use std::time::{Duration, Instant};
-
 use lashloop_session::line::Line;
+
+use crate::prelude::wire::*;
 
 /// When the time for a check ends, and what to report then. Time for which the drive's program has waited for a core doesn't
 /// count.

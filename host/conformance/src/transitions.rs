@@ -1,16 +1,9 @@
 //! State transitions: every request in every state. Those of parameters and descriptions have groups of their own.
 
-use lashloop_protocol::enums::{Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, Reset, Start, Stop, Subscribe,
-};
-use lashloop_protocol::{DriveMessage, HostMessage};
-
-use super::answers::{hello, other, outcome, torque};
-use super::assertion::{RuleResult, equal, expect, names};
-use super::check::{Check, check};
-use super::client::Client;
 use super::{constancy, repetition};
+use crate::prelude::checks::*;
+
+use Reaction::{Refused, To};
 
 /// Required reaction to a request.
 #[derive(Clone, Copy)]
@@ -19,12 +12,9 @@ enum Reaction {
     Refused(Outcome),
 }
 
-use Reaction::{Refused, To};
-use State::{Armed, Boot, Faulted, Idle, Running};
-
-const WRONG: Reaction = Refused(Outcome::WrongState);
-const STALE: Reaction = Refused(Outcome::WrongSession);
-const OTHER: Reaction = Refused(Outcome::VersionMismatch);
+const WRONG: Reaction = Refused(WrongState);
+const STALE: Reaction = Refused(WrongSession);
+const OTHER: Reaction = Refused(VersionMismatch);
 
 /// A row of the table of states.
 struct Row {
@@ -117,10 +107,8 @@ const ROWS: [Row; 12] = [
 pub(super) fn checks() -> Vec<Check> {
     let rows = ROWS.into_iter().map(|row| {
         check("R4.1 R4.7 R5.3 R6.1 R6.2 R6.3 R12.5", row.name, move |client| {
-            for (&state, reaction) in State::ALL.iter().zip(row.reactions) {
-                client.reset()?;
-                client.enter(state)?;
-                cell(client, &row, state, reaction)?;
+            for (state, reaction) in State::ALL.iter().zip(row.reactions) {
+                client.in_states(&[*state], |client, state| cell(client, &row, state, reaction))?;
             }
             Ok(())
         })
@@ -130,22 +118,21 @@ pub(super) fn checks() -> Vec<Check> {
 
 fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> RuleResult {
     let (wanted, after) = match reaction {
-        To(to) => (Outcome::Accepted, to),
+        To(to) => (Accepted, to),
         Refused(outcome) => (outcome, state),
     };
     let request = (row.request)(client.session);
-    let answers = client.request(request)?;
     let mut kinds = row.answers.to_vec();
     if kinds[0] == "Identity" && state == Faulted {
         kinds.insert(1, "FaultReport");
     }
-    equal(&format!("in {state:?}, answers"), kinds, names(&answers))?;
+    let answers = of_kinds(&format!("in {state:?}, answers"), &kinds, client.request(request)?)?;
     for answer in &answers {
         let got = match answer {
             DriveMessage::Identity(it) => {
                 equal(
                     &format!("in {state:?}, session of the Identity"),
-                    session_of(request),
+                    Hello::try_from(&request).ok().map(|it| it.session),
                     Some(it.session),
                 )?;
                 (wanted, it.state)
@@ -162,29 +149,18 @@ fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> Rul
     shown(client, &format!("after the request in {state:?}"), after)
 }
 
-const fn session_of(request: HostMessage) -> Option<u32> {
-    match request {
-        HostMessage::Hello(hello) => Some(hello.session),
-        _ => None,
-    }
-}
-
 /// Requires that a sample is answered as in this state: the state is not only reported.
 fn shown(client: &mut Client, when: &str, state: State) -> RuleResult {
     let answers = client.sample(0)?;
     if state == Boot {
         equal(&format!("{when}, to a sample"), vec!["CommandResult"], names(&answers))?;
-        return equal(
-            &format!("{when}, to a sample"),
-            Outcome::WrongState,
-            outcome::<EncoderSample>(&answers)?,
-        );
+        return equal(&format!("{when}, to a sample"), WrongState, outcome::<EncoderSample>(&answers)?);
     }
     let answer = torque(&answers)?;
     equal(&format!("{when}, to a sample, state"), state, answer.status.state)?;
     if state == Running {
         let flags = answer.status.flags - TorqueFlags::SATURATED;
-        return equal(&format!("{when}, to a first sample"), TorqueFlags::empty(), flags);
+        return equal(&format!("{when}, to a first sample"), NONE, flags);
     }
     expect(answer.torque_nm == 0.0, format!("{when}, to a sample, torque 0 N m"), answer.torque_nm)
 }

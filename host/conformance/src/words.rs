@@ -1,12 +1,10 @@
 //! Values and messages in the words and units of the protocol's specification.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::field_value::FieldValue;
+use lashloop_protocol::frame;
 use lashloop_protocol::layout::{FieldLayout, UNITS};
-use lashloop_protocol::message::{CommandResult, FaultReport, LineReport, ParameterReport, TorqueAnswer};
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, frame};
+
+use crate::prelude::wire::*;
 
 /// Most elements of a list that is shown whole, and how many are shown of a longer one.
 const MOST_WORDS: usize = 20;
@@ -17,33 +15,51 @@ pub(super) trait Words {
     fn words(&self) -> String;
 }
 
-macro_rules! displayed {
-    ($($ty:ty),+) => {
-        $(impl Words for $ty {
+/// How values of these types are shown.
+macro_rules! words {
+    ($($($ty:ty),+ => |$it:ident| $words:expr;)+) => {
+        $($(impl Words for $ty {
             fn words(&self) -> String {
-                self.to_string()
+                let $it = self;
+                $words
             }
-        })+
+        })+)+
     };
 }
 
-displayed!(u8, u16, u32, u64, i32, i64, usize);
-// With the names of the specification's lists.
-displayed!(State, Outcome, FaultCode, ParameterType);
-
-/// Nine digits distinguish any two values of binary32.
-impl Words for f64 {
-    fn words(&self) -> String {
-        let rounded: f64 = format!("{self:.8e}").parse().unwrap_or(*self);
+words! {
+    // The lists with the names of the specification.
+    u8, u16, u32, u64, i32, i64, usize, State, Outcome, FaultCode, ParameterType => |it| it.to_string();
+    // Nine digits distinguish any two values of binary32.
+    f64 => |it| {
+        let rounded: f64 = format!("{it:.8e}").parse().unwrap_or(*it);
         scaled(rounded.abs(), &rounded.to_string(), &format!("{rounded:e}"))
-    }
-}
-
-/// The fewest digits that distinguish a value from its neighbours, nine at most.
-impl Words for f32 {
-    fn words(&self) -> String {
-        scaled(f64::from(self.abs()), &self.to_string(), &format!("{self:e}"))
-    }
+    };
+    // The fewest digits that distinguish a value from its neighbours, nine at most.
+    f32 => |it| scaled(f64::from(it.abs()), &it.to_string(), &format!("{it:e}"));
+    ParameterValue => |it| match it {
+        U32(value) => value.words(),
+        F32(value) => value.words(),
+        Self::Unknown { ty, .. } => format!("{it} of the type {}", ty.get()),
+    };
+    Bits => |it| {
+        let value = f32::from_bits(it.0);
+        if value.is_nan() { format!("NaN (bits {:#010x})", it.0) } else { value.words() }
+    };
+    bool => |it| if *it { "yes" } else { "no" }.to_owned();
+    // Texts of a drive may hold control characters.
+    str => |it| it.escape_debug().to_string();
+    String => |it| it.as_str().words();
+    Duration => |it| format!("{} s", (it.as_secs_f64() * 1e6).round() / 1e6);
+    EncoderCounts => |it| format!("{} counts", it.get());
+    TorqueFlags => |it| match it.iter_names().map(|(name, _)| name).collect::<Vec<_>>() {
+        _ if it.is_empty() => "no flags".to_owned(),
+        names => names.join(" and "),
+    };
+    DriveMessage, HostMessage => |it| message_words(it);
+    CommandResult, FaultReport, Identity, LineReport, ParameterReport, TorqueAnswer => |it| {
+        message_words(&DriveMessage::from(*it))
+    };
 }
 
 /// Very large and very small numbers have a power of ten.
@@ -52,66 +68,9 @@ fn scaled(size: f64, plain: &str, with_power: &str) -> String {
     if is_plain { plain } else { with_power }.to_owned()
 }
 
-impl Words for ParameterValue {
-    fn words(&self) -> String {
-        match self {
-            Self::U32(value) => value.words(),
-            Self::F32(value) => value.words(),
-            Self::Unknown { ty, .. } => format!("{self} of the type {}", ty.get()),
-        }
-    }
-}
-
 /// A number that is compared by its bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bits(pub(super) u32);
-
-impl Words for Bits {
-    fn words(&self) -> String {
-        let value = f32::from_bits(self.0);
-        if value.is_nan() { format!("NaN (bits {:#010x})", self.0) } else { value.words() }
-    }
-}
-
-impl Words for bool {
-    fn words(&self) -> String {
-        if *self { "yes" } else { "no" }.to_owned()
-    }
-}
-
-impl Words for str {
-    fn words(&self) -> String {
-        // Texts of a drive may hold control characters.
-        self.escape_debug().to_string()
-    }
-}
-
-impl Words for String {
-    fn words(&self) -> String {
-        self.as_str().words()
-    }
-}
-
-impl Words for Duration {
-    fn words(&self) -> String {
-        format!("{} s", (self.as_secs_f64() * 1e6).round() / 1e6)
-    }
-}
-
-impl Words for EncoderCounts {
-    fn words(&self) -> String {
-        format!("{} counts", self.get())
-    }
-}
-
-impl Words for TorqueFlags {
-    fn words(&self) -> String {
-        if self.is_empty() {
-            return "no flags".to_owned();
-        }
-        self.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join(" and ")
-    }
-}
 
 impl<T: Words + ?Sized> Words for &T {
     fn words(&self) -> String {
@@ -177,30 +136,6 @@ fn message_words(message: &impl Message) -> String {
     let fields = fields.collect::<Vec<_>>().join(", ");
     if fields.is_empty() { layout.name.to_owned() } else { format!("{} with {fields}", layout.name) }
 }
-
-impl Words for DriveMessage {
-    fn words(&self) -> String {
-        message_words(self)
-    }
-}
-
-impl Words for HostMessage {
-    fn words(&self) -> String {
-        message_words(self)
-    }
-}
-
-macro_rules! messages {
-    ($($ty:ty),+) => {
-        $(impl Words for $ty {
-            fn words(&self) -> String {
-                DriveMessage::from(*self).words()
-            }
-        })+
-    };
-}
-
-messages!(CommandResult, FaultReport, LineReport, ParameterReport, TorqueAnswer);
 
 /// A field's name and value, with the unit after the value instead of at the end of the name.
 fn field_words(field: &FieldLayout, value: FieldValue<'_>) -> String {

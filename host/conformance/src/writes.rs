@@ -1,7 +1,6 @@
 //! Bytes in writes that every drive takes.
 
-use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::limits::OVERHEAD;
+use crate::prelude::wire::*;
 
 /// Requests that a drive takes at once in `Idle`, and bytes, whichever are fewer.
 pub(super) const MOST_REQUESTS: usize = 17;

@@ -90,7 +90,7 @@ impl Identified {
     #[must_use]
     pub fn likely(&self, name: &str) -> Option<f64> {
         let vector = Vector::of(&self.mechanics, &self.shaft);
-        DEFINITIONS.iter().find(|it| it.name == name).map(|it| (it.of)(&vector))
+        DEFINITIONS.iter().find(|it| it.quantity.name == name).map(|it| (it.of)(&vector))
     }
 
     pub(crate) fn new(fit: &Fit, directions: Directions, instruments: &Instruments) -> Self {
@@ -111,19 +111,15 @@ impl Identified {
 
 /// How a quantity follows from the parameters.
 struct Definition {
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    plant_key: Option<&'static str>,
-    drive_parameter: Option<&'static str>,
+    /// Without an estimate.
+    quantity: Quantity,
     is_fraction: bool,
     of: fn(&Vector) -> f64,
 }
 
 impl Definition {
     fn quantity(&self, fit: &Fit) -> Quantity {
-        let Self { name, unit, meaning, plant_key, drive_parameter, .. } = *self;
-        Quantity { name, unit, meaning, estimate: self.estimate(fit), plant_key, drive_parameter }
+        Quantity { estimate: self.estimate(fit), ..self.quantity.clone() }
     }
 
     /// In the scale in which the quantity is linear in the elements of the vector.
@@ -158,98 +154,56 @@ impl Definition {
     }
 }
 
-const fn definition(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    of: fn(&Vector) -> f64,
-) -> Definition {
-    Definition { name, unit, meaning, plant_key: None, drive_parameter: None, is_fraction: false, of }
+/// Declares the quantities, a row each: kind, name, unit, meaning and value.
+///
+/// | kind | is |
+/// |---|---|
+/// | `other` | a quantity that the plant has no key for |
+/// | `key` | a key of the plant |
+/// | `shared` | a key of the plant that is a parameter of the drive's laws by the same name |
+/// | `fraction` | a key of the plant without a scale of its own |
+macro_rules! quantities {
+    ($($kind:ident $name:literal $unit:literal $meaning:literal => |$it:ident| $value:expr;)+) => {
+        const DEFINITIONS: &[Definition] = &[$({
+            let (plant_key, drive_parameter, is_fraction) = quantities!(@$kind $name);
+            let (name, unit, meaning) = ($name, $unit, $meaning);
+            let quantity = Quantity { name, unit, meaning, estimate: None, plant_key, drive_parameter };
+            Definition { quantity, is_fraction, of: |$it| $value }
+        }),+];
+    };
+    (@other $name:literal) => { (None, None, false) };
+    (@key $name:literal) => { (Some($name), None, false) };
+    (@shared $name:literal) => { (Some($name), Some($name), false) };
+    (@fraction $name:literal) => { (Some($name), None, true) };
 }
 
-const fn key(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    of: fn(&Vector) -> f64,
-) -> Definition {
-    Definition { plant_key: Some(name), ..definition(name, unit, meaning, of) }
+quantities! {
+    shared "reduction_ratio" "" "reduction ratio N0" => |it| it.value(Parameter::Ratio);
+    other "gap_width_rad" "rad" "gap from flank to flank, at the motor" => |it| 2.0 * it.value(Parameter::DeadZone);
+    shared "dead_zone_rad" "rad" "half gap j0, at the motor" => |it| it.value(Parameter::DeadZone);
+    shared "stiffness_nm_rad" "N m/rad" "stiffness K, at the motor" => |it| it.value(Parameter::Stiffness);
+    key "shaft_damping_nm_s_rad" "N m s/rad" "damping c of the shaft" => |it| it.value(Parameter::ShaftDamping);
+    shared "motor_inertia_kg_m2" "kg m^2" "inertia J_m of the motor" => |it| it.value(Parameter::MotorInertia);
+    shared "motor_friction_nm_s_rad" "N m s/rad" "viscous friction f_m of the motor" => |it| it.value(Parameter::MotorViscous);
+    shared "motor_coulomb_nm" "N m" "Coulomb friction of the motor, each way" => |it| it.value(Parameter::MotorCoulomb);
+    key "motor_stiction_nm" "N m" "breakaway torque of the motor, each way" => |it| it.shaft().motor.stiction_nm;
+    key "motor_stribeck_rad_s" "rad/s" "Stribeck velocity of the motor" => |it| it.value(Parameter::MotorStribeck);
+    shared "load_inertia_kg_m2" "kg m^2" "inertia J_s of the load" => |it| it.mechanics().load_inertia_kg_m2;
+    shared "load_friction_nm_s_rad" "N m s/rad" "viscous friction f_s of the load" => |it| it.mechanics().load_friction_nm_s_rad;
+    shared "load_coulomb_nm" "N m" "Coulomb friction of the load, mean of both ways" => |it| it.shaft().load.coulomb_nm;
+    other "load_coulomb_forward_nm" "N m" "Coulomb friction of the load forward" =>
+        |it| it.shaft().load.coulomb_nm * (1.0 + it.get(Parameter::LoadAsymmetry));
+    other "load_coulomb_backward_nm" "N m" "Coulomb friction of the load backward" =>
+        |it| it.shaft().load.coulomb_nm * (1.0 - it.get(Parameter::LoadAsymmetry));
+    key "load_stiction_nm" "N m" "breakaway torque of the load, mean of both ways" => |it| it.shaft().load.stiction_nm;
+    other "load_stiction_forward_nm" "N m" "breakaway torque of the load forward" =>
+        |it| it.shaft().load.stiction_nm * (1.0 + it.get(Parameter::LoadAsymmetry));
+    other "load_stiction_backward_nm" "N m" "breakaway torque of the load backward" =>
+        |it| it.shaft().load.stiction_nm * (1.0 - it.get(Parameter::LoadAsymmetry));
+    key "load_stribeck_rad_s" "rad/s" "Stribeck velocity of the load" => |it| it.shaft().load.velocity_rad_s;
+    fraction "load_friction_asymmetry" "" "fraction by which the load's friction is larger forward" =>
+        |it| it.get(Parameter::LoadAsymmetry);
+    key "current_lag_ms" "ms" "lag T_i of the current loop" => |it| 1e3 * it.value(Parameter::CurrentLag);
+    other "inertia_at_motor_kg_m2" "kg m^2" "inertia of motor and load, at the motor" =>
+        |it| it.value(Parameter::MotorInertia) + it.value(Parameter::LoadInertia);
 }
-
-/// A key of the plant that is a parameter of the drive's laws by the same name.
-const fn shared(
-    name: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-    of: fn(&Vector) -> f64,
-) -> Definition {
-    Definition { drive_parameter: Some(name), ..key(name, unit, meaning, of) }
-}
-
-const DEFINITIONS: [Definition; 22] = [
-    shared("reduction_ratio", "", "reduction ratio N0", |it| it.value(Parameter::Ratio)),
-    definition("gap_width_rad", "rad", "gap from flank to flank, at the motor", |it| {
-        2.0 * it.value(Parameter::DeadZone)
-    }),
-    shared("dead_zone_rad", "rad", "half gap j0, at the motor", |it| it.value(Parameter::DeadZone)),
-    shared("stiffness_nm_rad", "N m/rad", "stiffness K, at the motor", |it| it.value(Parameter::Stiffness)),
-    key("shaft_damping_nm_s_rad", "N m s/rad", "damping c of the shaft", |it| {
-        it.value(Parameter::ShaftDamping)
-    }),
-    shared("motor_inertia_kg_m2", "kg m^2", "inertia J_m of the motor", |it| {
-        it.value(Parameter::MotorInertia)
-    }),
-    shared("motor_friction_nm_s_rad", "N m s/rad", "viscous friction f_m of the motor", |it| {
-        it.value(Parameter::MotorViscous)
-    }),
-    shared("motor_coulomb_nm", "N m", "Coulomb friction of the motor, each way", |it| {
-        it.value(Parameter::MotorCoulomb)
-    }),
-    key("motor_stiction_nm", "N m", "breakaway torque of the motor, each way", |it| {
-        it.shaft().motor.stiction_nm
-    }),
-    key("motor_stribeck_rad_s", "rad/s", "Stribeck velocity of the motor", |it| {
-        it.value(Parameter::MotorStribeck)
-    }),
-    shared("load_inertia_kg_m2", "kg m^2", "inertia J_s of the load", |it| it.mechanics().load_inertia_kg_m2),
-    shared("load_friction_nm_s_rad", "N m s/rad", "viscous friction f_s of the load", |it| {
-        it.mechanics().load_friction_nm_s_rad
-    }),
-    shared("load_coulomb_nm", "N m", "Coulomb friction of the load, mean of both ways", |it| {
-        it.shaft().load.coulomb_nm
-    }),
-    definition("load_coulomb_forward_nm", "N m", "Coulomb friction of the load forward", |it| {
-        it.shaft().load.coulomb_nm * (1.0 + it.get(Parameter::LoadAsymmetry))
-    }),
-    definition("load_coulomb_backward_nm", "N m", "Coulomb friction of the load backward", |it| {
-        it.shaft().load.coulomb_nm * (1.0 - it.get(Parameter::LoadAsymmetry))
-    }),
-    key("load_stiction_nm", "N m", "breakaway torque of the load, mean of both ways", |it| {
-        it.shaft().load.stiction_nm
-    }),
-    definition("load_stiction_forward_nm", "N m", "breakaway torque of the load forward", |it| {
-        it.shaft().load.stiction_nm * (1.0 + it.get(Parameter::LoadAsymmetry))
-    }),
-    definition("load_stiction_backward_nm", "N m", "breakaway torque of the load backward", |it| {
-        it.shaft().load.stiction_nm * (1.0 - it.get(Parameter::LoadAsymmetry))
-    }),
-    key("load_stribeck_rad_s", "rad/s", "Stribeck velocity of the load", |it| it.shaft().load.velocity_rad_s),
-    Definition {
-        is_fraction: true,
-        ..key(
-            "load_friction_asymmetry",
-            "",
-            "fraction by which the load's friction is larger forward",
-            |it| it.get(Parameter::LoadAsymmetry),
-        )
-    },
-    Definition {
-        plant_key: Some("current_lag_ms"),
-        ..definition("current_lag_ms", "ms", "lag T_i of the current loop", |it| {
-            1e3 * it.value(Parameter::CurrentLag)
-        })
-    },
-    definition("inertia_at_motor_kg_m2", "kg m^2", "inertia of motor and load, at the motor", |it| {
-        it.value(Parameter::MotorInertia) + it.value(Parameter::LoadInertia)
-    }),
-];

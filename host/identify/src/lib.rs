@@ -17,7 +17,6 @@
 //! | `problem`, `noise`, `normal`, `fit` | nonlinear least squares: cost, worth of a residual, normal equations, steps |
 //! | `identified` | quantities with intervals |
 //! | `identify` | all of it in order |
-//! | [`coverage`] | hidden plants drawn at random, and how often their truth is within the interval |
 //! | [`excitation`] | motions, limits, guard, and the order of a commissioning |
 //!
 //! # What counts can't show
@@ -30,7 +29,6 @@
 
 mod balance;
 mod contact;
-pub mod coverage;
 pub mod excitation;
 mod fit;
 mod identified;

@@ -1,14 +1,8 @@
 //! The panels of the page, from the signals of a run.
 
+use lashloop_plant::Signal;
 use lashloop_plant::metrics::{DRIVE_PREFIX, FIXED_SIGNALS, SignalTable};
 use serde::Serialize;
-
-/// A column of the live samples.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct Column {
-    pub(super) name: String,
-    pub(super) unit: String,
-}
 
 /// Columns of every run after its signals.
 pub(super) const TIMING_COLUMNS: [&str; 2] = ["lateness_us", "round_trip_us"];
@@ -85,19 +79,15 @@ const PANELS: [Template; 6] = [
 ];
 
 /// The columns of a run, in the order of the values that the publisher collects.
-pub(super) fn columns(signals: &SignalTable) -> Vec<Column> {
-    let named = |prefix: &str, signal: &lashloop_plant::Signal| Column {
-        name: format!("{prefix}{}", signal.name),
-        unit: signal.unit.to_string(),
-    };
-    let bare = FIXED_SIGNALS.iter().chain(&signals.plant).map(|signal| named("", signal));
-    let drive = signals.drive.iter().map(|signal| named(DRIVE_PREFIX, signal));
-    let timing = TIMING_COLUMNS.map(|name| Column { name: name.to_owned(), unit: "us".to_owned() });
-    bare.chain(drive).chain(timing).collect()
+pub(super) fn columns(signals: &SignalTable) -> Vec<Signal> {
+    let of_drive = |it: &Signal| format!("{DRIVE_PREFIX}{}", it.name).into();
+    let drive = signals.drive.iter().map(|it| Signal { name: of_drive(it), unit: it.unit.clone() });
+    let timing = TIMING_COLUMNS.map(|name| Signal::new(name, "us"));
+    FIXED_SIGNALS.iter().chain(&signals.plant).cloned().chain(drive).chain(timing).collect()
 }
 
 /// The panels that these columns allow.
-pub(super) fn panels(columns: &[Column]) -> Vec<Panel> {
+pub(super) fn panels(columns: &[Signal]) -> Vec<Panel> {
     let find = |name: &str| columns.iter().position(|column| column.name == name);
     let panel = |(title, curves): Template| {
         let first = find(curves[0].1)?;
@@ -106,7 +96,7 @@ pub(super) fn panels(columns: &[Column]) -> Vec<Panel> {
         };
         Some(Panel {
             title,
-            unit: columns[first].unit.clone(),
+            unit: columns[first].unit.to_string(),
             curves: curves.iter().filter_map(curve).collect(),
         })
     };
@@ -115,8 +105,6 @@ pub(super) fn panels(columns: &[Column]) -> Vec<Panel> {
 
 #[cfg(test)]
 mod tests {
-    use lashloop_plant::Signal;
-
     use super::*;
 
     #[test]
@@ -128,7 +116,7 @@ mod tests {
         let titles: Vec<_> = panels.iter().map(|panel| panel.title).collect();
         assert_eq!(titles, ["Load position", "Torque", "Twist and gap", "Timing"]);
         let names = |panel: &Panel| -> Vec<String> {
-            panel.curves.iter().map(|curve| columns[curve.column].name.clone()).collect()
+            panel.curves.iter().map(|curve| columns[curve.column].name.to_string()).collect()
         };
         assert_eq!(names(&panels[1]), ["torque_nm", "drive.requested_torque_nm"]);
         assert_eq!(names(&panels[2]), ["twist_rad", "dead_zone_rad"]);

@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use lashloop_bench::run::{RunStart, Step};
 use lashloop_bench::timing::ClockName;
+use lashloop_plant::Signal;
 use serde::Serialize;
 
 use super::envelope::{Bucketing, History};
 use super::feed::Feed;
-use super::panels::{Column, Panel, columns, panels};
+use super::panels::{Panel, columns, panels};
 use super::status::Status;
 
 /// Shortest time between two publications.
@@ -49,7 +50,7 @@ struct Description<'a> {
     duration_s: f64,
     /// Buckets that each history keeps at most.
     histories: Vec<u32>,
-    columns: &'a [Column],
+    columns: &'a [Signal],
     panels: Vec<Panel>,
 }
 

@@ -1,5 +1,7 @@
 //! Errors of plants and encoders.
 
+use std::ops::RangeInclusive;
+
 use crate::limits::{MAX_COORDINATE, MAX_EVENTS, MAX_SIGNALS, MAX_SUBSTEPS};
 
 /// A parameter outside its allowed range.
@@ -19,6 +21,15 @@ pub struct ParameterError {
 /// Checks that a parameter lies in `low..=high`. NaN is rejected.
 pub(crate) fn within(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), ParameterError> {
     if (low..=high).contains(&value) { Ok(()) } else { Err(ParameterError { name, value, low, high }) }
+}
+
+/// Checks a parameter against its range.
+pub(crate) fn in_range(
+    name: &'static str,
+    value: f64,
+    range: &RangeInclusive<f64>,
+) -> Result<(), ParameterError> {
+    within(name, value, *range.start(), *range.end())
 }
 
 /// Checks a number of substeps, 1 to [`MAX_SUBSTEPS`].

@@ -9,11 +9,10 @@ use std::ops::RangeInclusive;
 use nalgebra::Vector6;
 
 use crate::coordinates::{self, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
-use crate::error::validate_substeps;
+use crate::error::{in_range, validate_substeps};
 use crate::integrator::{self, HybridSystem, runge_kutta};
 use crate::limits::are_in_range;
-use crate::mechanics::in_range;
-use crate::mechanics_keys::keys;
+use crate::mechanics::keys;
 use crate::mode::{Contact, DryFriction, Flank};
 use crate::{
     Key, Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,

@@ -1,16 +1,18 @@
-//! The two masses and the spring of every plant.
+//! The two masses and the spring of every plant, and their keys. The defaults are table 1 of the paper.
 
+use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use nalgebra::Vector6;
 
-use crate::ParameterError;
 use crate::coordinates::{
     DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
 };
-use crate::error::within;
+use crate::limits::MAX_SUBSTEPS;
 use crate::mode::{Contact, DryFriction};
+use crate::numbers::numbers;
 use crate::truth::Truth;
+use crate::{Key, ParameterError};
 
 /// True parameters of motor, reducer and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,28 +33,29 @@ pub struct Mechanics {
     pub dead_zone_rad: f64,
 }
 
-/// Checks a parameter against its range.
-pub(crate) fn in_range(
-    name: &'static str,
-    value: f64,
-    range: &RangeInclusive<f64>,
-) -> Result<(), ParameterError> {
-    within(name, value, *range.start(), *range.end())
+// The keys of stiffness and dead zone are narrower than the plant's ranges: faults change both during the run.
+numbers! { Mechanics, it:
+    motor_inertia_kg_m2: "motor_inertia_kg_m2", "kg m^2", 1e-9..=1e3, "Inertia J_m of the motor.";
+    motor_friction_nm_s_rad: "motor_friction_nm_s_rad", "N m s/rad", 0.0..=1e4, "Viscous friction f_m of the motor.";
+    load_inertia_kg_m2: "load_inertia_kg_m2", "kg m^2", 1e-9..=1e6, "Inertia J_s of the load.";
+    load_friction_nm_s_rad: "load_friction_nm_s_rad", "N m s/rad", 0.0..=1e6, "Viscous friction f_s of the load.";
+    ratio: "ratio" as "reduction_ratio", "", 1e-3..=1e4, "Reduction ratio N0, motor revolutions per load revolution.";
+    stiffness_nm_rad: "stiffness_nm_rad", "N m/rad", 1e-6..=1e9, given 1e-6..=1e6,
+        "Stiffness K between motor and load, at the motor.";
+    dead_zone_rad: "dead_zone_rad", "rad", Self::DEAD_ZONE_RAD, given *Self::DEAD_ZONE_RAD.start()..=PI,
+        "Half gap j0, at the motor.";
+}
+
+/// Keys of a plant of two masses that is integrated in `substeps` substeps by default.
+pub(crate) fn keys(substeps: u32) -> Vec<Key> {
+    let [motor_inertia, motor_friction, load_inertia, load_friction, ratio, stiffness, dead_zone] =
+        Mechanics::keys();
+    let substeps =
+        Key::integer("substeps", "", substeps, 1..=MAX_SUBSTEPS, "Integration steps per control period.");
+    vec![substeps, load_inertia, load_friction, motor_inertia, motor_friction, ratio, stiffness, dead_zone]
 }
 
 impl Mechanics {
-    /// Allowed motor inertia.
-    pub const MOTOR_INERTIA_KG_M2: RangeInclusive<f64> = 1e-9..=1e3;
-    /// Allowed viscous friction of the motor.
-    pub const MOTOR_FRICTION_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e4;
-    /// Allowed load inertia.
-    pub const LOAD_INERTIA_KG_M2: RangeInclusive<f64> = 1e-9..=1e6;
-    /// Allowed viscous friction of the load.
-    pub const LOAD_FRICTION_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e6;
-    /// Allowed reduction ratio.
-    pub const RATIO: RangeInclusive<f64> = 1e-3..=1e4;
-    /// Allowed stiffness.
-    pub const STIFFNESS_NM_RAD: RangeInclusive<f64> = 1e-6..=1e9;
     /// Allowed dead-zone amplitude.
     pub const DEAD_ZONE_RAD: RangeInclusive<f64> = 1e-6..=10.0;
 
@@ -74,13 +77,7 @@ impl Mechanics {
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        in_range("motor_inertia_kg_m2", self.motor_inertia_kg_m2, &Self::MOTOR_INERTIA_KG_M2)?;
-        in_range("motor_friction_nm_s_rad", self.motor_friction_nm_s_rad, &Self::MOTOR_FRICTION_NM_S_RAD)?;
-        in_range("load_inertia_kg_m2", self.load_inertia_kg_m2, &Self::LOAD_INERTIA_KG_M2)?;
-        in_range("load_friction_nm_s_rad", self.load_friction_nm_s_rad, &Self::LOAD_FRICTION_NM_S_RAD)?;
-        in_range("ratio", self.ratio, &Self::RATIO)?;
-        in_range("stiffness_nm_rad", self.stiffness_nm_rad, &Self::STIFFNESS_NM_RAD)?;
-        in_range("dead_zone_rad", self.dead_zone_rad, &Self::DEAD_ZONE_RAD)
+        self.check()
     }
 
     /// Twist z in rad.

@@ -12,7 +12,7 @@ use crate::error::validate_substeps;
 use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
 use crate::limits::are_in_range;
-use crate::mechanics_keys::keys;
+use crate::mechanics::keys;
 use crate::mode::Contact;
 use crate::{
     Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,

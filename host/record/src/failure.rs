@@ -1,12 +1,12 @@
 //! `failure.json`: why a run ended without a summary.
 
-use std::io::Write;
 use std::path::Path;
 
-use lashloop_bench::atomic_file::{WriteError, write_whole};
+use lashloop_bench::atomic_file::WriteError;
 use serde::{Deserialize, Serialize};
 
 use crate::file_names::FAILURE_FILE;
+use crate::json_file::write_json;
 
 /// Why a run ended without a summary.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,7 +21,6 @@ impl Failure {
     /// # Errors
     /// The folder can't be written to.
     pub(crate) fn write(&self, folder: &Path) -> Result<(), WriteError> {
-        let text = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
-        write_whole(&folder.join(FAILURE_FILE), ".failure-", |file| file.write_all(text.as_bytes()))
+        write_json(&folder.join(FAILURE_FILE), ".failure-", self)
     }
 }

@@ -22,6 +22,7 @@ pub mod failure;
 pub mod file_names;
 pub mod folder;
 pub mod host_facts;
+pub mod json_file;
 pub mod manifest;
 #[cfg(feature = "parquet")]
 pub mod parquet;

@@ -1,6 +1,5 @@
 //! Reads the record of a run, also of an interrupted one.
 
-use std::fmt;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -36,32 +35,6 @@ pub struct Record {
     pub summary: Option<Summary>,
     /// Why there is no summary; `None` for a run that was killed, and with a summary.
     pub failure: Option<Failure>,
-}
-
-/// Whether a record has all that its run was to leave.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Completeness {
-    /// The run has ended by itself and has its summary.
-    Complete,
-    /// There is no summary: the run was interrupted, or is still going on.
-    Interrupted {
-        /// The steps up to the last whole chunk.
-        steps: usize,
-        /// Whether a chunk after them was cut and is omitted.
-        is_cut: bool,
-    },
-}
-
-impl fmt::Display for Completeness {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Complete => out.write_str("complete"),
-            Self::Interrupted { steps, is_cut } => {
-                let cut = if *is_cut { "; what follows is cut and omitted" } else { "" };
-                write!(out, "interrupted: no {SUMMARY_FILE}, {steps} steps reached the disk{cut}")
-            }
-        }
-    }
 }
 
 impl Record {
@@ -103,13 +76,13 @@ impl Record {
         self.trace.get(name).ok_or_else(absent)
     }
 
-    /// Whether the record has all that its run was to leave.
+    /// What an interrupted run left, or one that is still going on; `None` if the run has its summary.
     #[must_use]
-    pub fn completeness(&self) -> Completeness {
-        match self.summary {
-            Some(_) => Completeness::Complete,
-            None => Completeness::Interrupted { steps: self.trace.len(), is_cut: self.is_torn },
-        }
+    pub fn interruption(&self) -> Option<String> {
+        let cut = if self.is_torn { "; what follows is cut and omitted" } else { "" };
+        let steps = self.trace.len();
+        let text = || format!("interrupted: no {SUMMARY_FILE}, {steps} steps reached the disk{cut}");
+        self.summary.is_none().then(text)
     }
 
     fn unusable(&self, fault: ReadFault) -> ReadError {

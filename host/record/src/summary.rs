@@ -1,7 +1,6 @@
 //! `summary.json`: the verdict and all that is needed to check, compare and repeat it.
 
 use std::fmt;
-use std::io::Write;
 use std::path::Path;
 
 use indexmap::IndexMap;
@@ -10,7 +9,6 @@ use lashloop_protocol::{MINOR_VERSION, PROTOCOL_VERSION};
 use serde::{Deserialize, Serialize};
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::device::{Device, Evidence};
 use lashloop_bench::fault::timeline::FaultRecord;
 use lashloop_bench::run::{End, Outcome};
@@ -18,6 +16,8 @@ use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::{Breach, BrokenRuleReport, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_session::Subscription;
+
+use crate::json_file::write_json;
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -223,10 +223,7 @@ impl Summary {
     /// # Errors
     /// The directory doesn't exist or can't be written to.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
-        write_whole(path, ".summary-", |file| {
-            serde_json::to_writer_pretty(&mut *file, self)?;
-            file.write_all(b"\n")
-        })
+        write_json(path, ".summary-", self)
     }
 }
 

@@ -11,8 +11,6 @@
 //!
 //! They don't depend on the link or on timing, which are in [`timing`](crate::timing).
 
-use std::borrow::Cow;
-
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::run::{RunStart, Step, StepObserver, TraceRow};
 use lashloop_plant::Signal;
@@ -44,28 +42,24 @@ pub fn columns(signals: &SignalTable) -> Vec<Signal> {
     fixed_columns()
         .chain(plant)
         .chain(drive)
-        .chain([named(TELEMETRY_TIME, "s")])
+        .chain([Signal::new(TELEMETRY_TIME, "s")])
         .chain(sent_columns())
         .collect()
 }
 
 pub(crate) fn fixed_columns() -> impl Iterator<Item = Signal> {
-    TraceRow::COLUMNS.iter().map(|(name, unit)| named(*name, *unit))
+    TraceRow::COLUMNS.iter().map(|(name, unit)| Signal::new(name, unit))
 }
 
 pub(crate) fn drive_signal(signal: &Signal) -> Signal {
-    named(format!("{DRIVE_PREFIX}{}", signal.name), signal.unit.clone())
+    Signal { name: format!("{DRIVE_PREFIX}{}", signal.name).into(), unit: signal.unit.clone() }
 }
 
 /// The columns of the sample as sent.
 pub(crate) fn sent_columns() -> impl Iterator<Item = Signal> {
     [("motor_counts", "counts"), ("load_counts", "counts"), ("sent_reference_rad", "rad")]
         .into_iter()
-        .map(|(name, unit)| named(name, unit))
-}
-
-fn named(name: impl Into<Cow<'static, str>>, unit: impl Into<Cow<'static, str>>) -> Signal {
-    Signal { name: name.into(), unit: unit.into() }
+        .map(|(name, unit)| Signal::new(name, unit))
 }
 
 /// The row of a step, in the order of [`columns`].

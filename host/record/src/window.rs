@@ -10,9 +10,10 @@ use lashloop_bench::timing::StepOutcome;
 
 use crate::failure::Failure;
 use crate::folder::RecordFolder;
+use crate::samples::SampleWriter;
 use crate::source::RunSource;
 use crate::summary::Summary;
-use crate::writer::{Beginning, Files};
+use crate::writer::{Beginning, finish};
 
 /// Keeps the steps of a window in memory.
 pub struct WindowRecorder {
@@ -48,21 +49,21 @@ impl WindowRecorder {
     pub fn write(self, folder: &RecordFolder, summary: Option<&Summary>) -> Result<(), WriteError> {
         let Some(beginning) = self.beginning else { return Ok(()) };
         let (first_step, steps) = self.ring.window();
-        let mut files = beginning.write(folder, first_step)?;
-        let push = |files: &mut Files| {
+        let mut samples = beginning.write(folder, first_step)?;
+        let push = |samples: &mut SampleWriter| {
             let mut events = self.events.iter().peekable();
             for (number, step) in (first_step..).zip(&steps) {
                 while let Some((at, event)) = events.next_if(|(at, _)| u64::from(*at) <= number) {
-                    files.push_event(*at, event);
+                    samples.push_event(*at, event);
                 }
-                files.push(step)?;
+                samples.push(step)?;
             }
-            events.for_each(|(at, event)| files.push_event(*at, event));
+            events.for_each(|(at, event)| samples.push_event(*at, event));
             Ok(())
         };
-        push(&mut files).map_err(|error| folder.named(error))?;
+        push(&mut samples).map_err(|error| folder.named(error))?;
         self.failure.map_or(Ok(()), |failure| failure.write(folder.path()))?;
-        summary.map_or(Ok(()), |summary| files.finish(folder, summary))
+        summary.map_or(Ok(()), |summary| finish(samples, folder, summary))
     }
 }
 

@@ -22,14 +22,14 @@ pub struct RecordWriter {
     folder: RecordFolder,
     source: RunSource,
     /// Created at the start, when the signals are known.
-    files: Option<Files>,
+    samples: Option<SampleWriter>,
 }
 
 impl RecordWriter {
     /// Writes to this folder.
     #[must_use]
     pub fn new(folder: RecordFolder, source: RunSource) -> Self {
-        Self { folder, source, files: None }
+        Self { folder, source, samples: None }
     }
 
     /// The folder.
@@ -43,9 +43,9 @@ impl RecordWriter {
     /// # Errors
     /// A file can't be removed.
     pub fn discard(self) -> Result<(), WriteError> {
-        match self.files {
-            Some(files) => {
-                drop(files);
+        match self.samples {
+            Some(samples) => {
+                drop(samples);
                 self.folder.clear()
             }
             None => Ok(()),
@@ -57,8 +57,8 @@ impl RecordWriter {
     /// # Errors
     /// A file can't be written.
     pub fn finish(self, summary: &Summary) -> Result<(), WriteError> {
-        match self.files {
-            Some(files) => files.finish(&self.folder, summary),
+        match self.samples {
+            Some(samples) => finish(samples, &self.folder, summary),
             None => summary.write(&self.folder.path().join(SUMMARY_FILE)),
         }
     }
@@ -67,24 +67,24 @@ impl RecordWriter {
 impl StepObserver for RecordWriter {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         let begin = Beginning::new(start, &self.source);
-        self.files = Some(begin.write(&self.folder, 0)?);
+        self.samples = Some(begin.write(&self.folder, 0)?);
         Ok(())
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        let pushed = self.files.as_mut().map_or(Ok(()), |files| files.push(step));
+        let pushed = self.samples.as_mut().map_or(Ok(()), |samples| samples.push(step));
         pushed.map_err(|error| self.folder.named(error))
     }
 
     fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
-        if let Some(files) = &mut self.files {
-            files.push_event(step, event);
+        if let Some(samples) = &mut self.samples {
+            samples.push_event(step, event);
         }
         Ok(())
     }
 
     fn failed(&mut self, error: &RunError) {
-        if self.files.is_some() {
+        if self.samples.is_some() {
             // The run's own error counts; on a full disk the record lacks its text.
             let _ = Failure { error: error.to_string() }.write(self.folder.path());
         }
@@ -109,14 +109,14 @@ impl Beginning {
 
     /// Replaces what the folder holds, once the head of the samples is written. `first_step` is the number of the first
     /// step to come.
-    pub(crate) fn write(&self, folder: &RecordFolder, first_step: u64) -> Result<Files, WriteError> {
-        let files = folder.begin(|path| self.write_files(path, first_step))?;
+    pub(crate) fn write(&self, folder: &RecordFolder, first_step: u64) -> Result<SampleWriter, WriteError> {
+        let samples = folder.begin(|path| self.write_files(path, first_step))?;
         // The link is a shortcut. In a folder of all users, such as /tmp, it may belong to another one.
         let _ = folder.link_latest();
-        Ok(files)
+        Ok(samples)
     }
 
-    fn write_files(&self, path: &Path, first_step: u64) -> Result<Files, WriteError> {
+    fn write_files(&self, path: &Path, first_step: u64) -> Result<SampleWriter, WriteError> {
         let Self { manifest, scenario, signals } = self;
         let resolved = resolved::files(scenario).map_err(|error| WriteError {
             path: path.join(SCENARIO_FILE),
@@ -126,38 +126,20 @@ impl Beginning {
         resolved::write(path, &resolved)?;
         let mut attached = vec![(MANIFEST_FILE, manifest.to_json())];
         attached.extend(resolved);
-        let period_us = scenario.run.control_period_us;
-        let files = Files {
-            samples: SampleWriter::create(path, signals, period_us, first_step, &attached)?,
-            flush_rows: scenario.record.flush_rows.into(),
-            next_step: first_step,
-        };
+        let (period_us, flush_rows) = (scenario.run.control_period_us, scenario.record.flush_rows.into());
+        let samples = SampleWriter::create(path, signals, period_us, first_step, flush_rows, &attached)?;
         manifest.write(path)?;
-        Ok(files)
+        Ok(samples)
     }
 }
 
-/// The file that grows.
-pub(crate) struct Files {
+/// Writes what is pending, then the summary.
+pub(crate) fn finish(
     samples: SampleWriter,
-    flush_rows: u64,
-    next_step: u64,
-}
-
-impl Files {
-    pub(crate) fn push(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.samples.push(step);
-        self.next_step += 1;
-        if self.next_step.is_multiple_of(self.flush_rows) { self.samples.flush() } else { Ok(()) }
-    }
-
-    pub(crate) fn push_event(&mut self, step: u32, event: &Event) {
-        self.samples.push_event(step, event);
-    }
-
-    pub(crate) fn finish(self, folder: &RecordFolder, summary: &Summary) -> Result<(), WriteError> {
-        let text = serde_json::to_string_pretty(summary).unwrap_or_default();
-        self.samples.finish((SUMMARY_FILE, &text)).map_err(|error| folder.named(error))?;
-        summary.write(&folder.path().join(SUMMARY_FILE))
-    }
+    folder: &RecordFolder,
+    summary: &Summary,
+) -> Result<(), WriteError> {
+    let text = serde_json::to_string_pretty(summary).unwrap_or_default();
+    samples.finish((SUMMARY_FILE, &text)).map_err(|error| folder.named(error))?;
+    summary.write(&folder.path().join(SUMMARY_FILE))
 }

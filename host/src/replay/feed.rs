@@ -7,10 +7,11 @@ use lashloop_bench::run::setup::lockstep_watchdog;
 use lashloop_bench::scenario::sections::LinkSettings;
 use lashloop_link::TimeBase;
 use lashloop_record::diff::Tolerance;
+use lashloop_record::manifest::ParameterInForce;
 use lashloop_session::Exchange;
 
 use super::error::ReplayError;
-use super::parameters::RecordedParameters;
+use super::parameters::apply;
 use super::recording::Recording;
 use super::report::{DriveEnd, Replay};
 
@@ -20,7 +21,7 @@ use super::report::{DriveEnd, Replay};
 /// The firmware lacks a parameter, or device or link failed.
 pub fn replay(
     recording: &Recording,
-    parameters: &RecordedParameters,
+    parameters: &[ParameterInForce],
     link: &LinkSettings,
     tolerance: Option<Tolerance>,
     device: &mut Device,
@@ -29,7 +30,7 @@ pub fn replay(
     device.session.line.set_time_base(TimeBase::Virtual);
     device.session.reset().map_err(|source| device.explain(source))?;
     let watchdog = lockstep_watchdog(&device.connection.host, link.silence_limit());
-    parameters.apply(device, watchdog)?;
+    apply(parameters, device, watchdog)?;
     device.session.start().map_err(|source| device.explain(source))?;
     let mut replay = Replay::new(recording, tolerance);
     for (index, recorded) in recording.steps.iter().enumerate() {

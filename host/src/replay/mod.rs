@@ -19,6 +19,5 @@ mod report;
 
 pub use error::ReplayError;
 pub use feed::replay;
-pub use parameters::RecordedParameters;
 pub use recording::{RecordedStep, Recording};
 pub use report::{DriveEnd, Replay, TorquePair};

@@ -120,10 +120,13 @@ impl Rig {
         scenario.bench.parameters.retain(|it| !OF_PINS.contains(&&*it.name));
         let find = |name: &str| parameters.iter().find(|parameter| parameter.name == name);
         let mut set = |name: &str, value, is_of_pins: bool| {
-            let of =
-                if is_of_pins { &mut scenario.bench.parameters } else { &mut scenario.controller.parameters };
+            let (section, of) = if is_of_pins {
+                ("bench", &mut scenario.bench.parameters)
+            } else {
+                ("controller.parameters", &mut scenario.controller.parameters)
+            };
             if !of.iter().any(|it| it.name == name) {
-                of.push(ParameterSetting { name: name.to_owned(), value, origin: origin.clone() });
+                of.push(ParameterSetting { section, name: name.to_owned(), value, origin: origin.clone() });
             }
         };
         for limit in self.limits.of_drive(mode) {

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::scenario::declare::{
-    Field as _, Named, any_text, choice, integer, number, plain, section, section_of, skipped, text,
+    Field as _, any_text, choice, integer, number, plain, section, section_of, skipped, text,
 };
-use lashloop_bench::scenario::key::{Choice, Keys};
+use lashloop_bench::scenario::key::Keys;
 use lashloop_bench::scenario::range::positive;
 use lashloop_bench::scenario::{ScenarioErrors, Section, settings_file};
 use lashloop_bench::settings;
@@ -59,7 +59,7 @@ settings! {
         /// Name of the board, as the drive reports it in the handshake. A drive on another board is rejected.
         pub board: String = text("the name of a board in quotes, such as \"stm32f405\""),
         /// How the drive is reached.
-        pub port: Port = section_of(|keys| Port::declare(keys, parse), |port| Port::read(port, parse)),
+        pub port: Port = section_of(|port| Port::read(port, parse)),
         /// Encoders on the pins of the drive. An absent key leaves the drive's default.
         pub encoders: Encoders = section(plain),
         /// Power stage of the drive. An absent key leaves the drive's default.
@@ -195,14 +195,6 @@ settings! {
     }
 }
 
-impl Named for Way {
-    const ALL: &'static [Self] = &Self::ALL;
-
-    fn choice(self) -> Choice {
-        Choice { name: self.name(), doc: self.meaning() }
-    }
-}
-
 impl Rig {
     /// Reads a rig file.
     ///
@@ -222,15 +214,14 @@ impl Rig {
     }
 
     fn from_text(name: &str, text: &str, parse: ParseDevice<'_>) -> Result<Self, ScenarioErrors> {
-        let declare = |keys: &mut Keys| Self::declare(keys, parse);
-        let rig = settings_file::from_str(name, text, &declare, |root| Self::read(root, parse))?;
+        let rig = settings_file::from_str(name, text, |root| Self::read(root, parse))?;
         Ok(Self { file: name.into(), ..rig })
     }
 
     /// Every key of a rig file.
     #[must_use]
     pub fn keys() -> Keys {
-        Keys::of(|keys| Self::declare(keys, PARSE))
+        Section::keys_of(|root| Self::read(root, PARSE))
     }
 
     /// The page `docs/rig.md`.

@@ -130,17 +130,12 @@ impl Limits {
     /// Every parameter beyond its limit.
     pub(crate) fn check_parameters(&self, scenario: &Scenario, rig: &Path) -> Result<(), LimitError> {
         let limits = self.of_drive(scenario.run.mode);
-        let exceeded_by = |setting: &ParameterSetting| {
+        let settings = scenario.controller.parameters.iter().chain(&scenario.bench.parameters);
+        let exceeded = settings.filter_map(|setting| {
             let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
-            limit.exceeded_by(setting, rig)
-        };
-        let of_law = scenario.controller.parameters.iter().filter_map(|setting| {
-            exceeded_by(setting).map(|reason| ScenarioError::parameter(setting, reason))
+            Some(ScenarioError::parameter(setting, limit.exceeded_by(setting, rig)?))
         });
-        let of_bench = scenario.bench.parameters.iter().filter_map(|setting| {
-            exceeded_by(setting).map(|reason| ScenarioError::of_bench(setting, reason))
-        });
-        let exceeded: Vec<_> = of_law.chain(of_bench).collect();
+        let exceeded: Vec<_> = exceeded.collect();
         if exceeded.is_empty() { Ok(()) } else { Err(ScenarioErrors::from(exceeded).into()) }
     }
 

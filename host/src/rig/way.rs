@@ -1,14 +1,18 @@
 //! The ways onto the chip.
 
-/// A way onto the chip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
-    /// A debug probe, by probe-rs.
-    Probe,
-    /// The boot loader in the chip's ROM over USB, by dfu-util.
-    Dfu,
-    /// The boot loader in the chip's ROM over a UART, by stm32flash.
-    Uart,
+use lashloop_bench::scenario::declare::Named as _;
+use lashloop_bench::settings;
+
+settings! {
+    /// A way onto the chip.
+    pub enum Way {
+        /// a debug probe, by probe-rs
+        "probe" => Probe,
+        /// the boot loader in ROM over USB, by dfu-util
+        "dfu" => Dfu,
+        /// the boot loader in ROM at PA9 and PA10 or PB10 and PB11, by stm32flash
+        "uart" => Uart,
+    }
 }
 
 impl Way {
@@ -16,21 +20,13 @@ impl Way {
     pub const ALL: [Self; 3] = [Self::Probe, Self::Dfu, Self::Uart];
 
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Probe => "probe",
-            Self::Dfu => "dfu",
-            Self::Uart => "uart",
-        }
+    pub fn name(self) -> &'static str {
+        self.choice().name
     }
 
     #[must_use]
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Probe => "a debug probe, by probe-rs",
-            Self::Dfu => "the boot loader in ROM over USB, by dfu-util",
-            Self::Uart => "the boot loader in ROM at PA9 and PA10 or PB10 and PB11, by stm32flash",
-        }
+    pub fn meaning(self) -> &'static str {
+        self.choice().doc
     }
 
     /// The program that writes.

@@ -1,6 +1,6 @@
 //! The samples of a run, sent to other firmware without a plant.
 
-use lashloop::replay::{RecordedParameters, RecordedStep, Recording, Replay, ReplayError, replay};
+use lashloop::replay::{RecordedStep, Recording, Replay, ReplayError, replay};
 use lashloop::{Bench, Device, Scenario};
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device as OpenDevice;
@@ -47,19 +47,19 @@ fn scenario(settings: &[&str]) -> Scenario {
 }
 
 /// Samples, torques and parameters of a run in process.
-fn recorded(scenario: &Scenario) -> (Recording, RecordedParameters) {
+fn recorded(scenario: &Scenario) -> (Recording, Vec<ParameterInForce>) {
     let supervisor = Supervisor::without_signals(None).expect("a thread");
     let choice = Bench::new().device("inproc").expect("a device");
     let opened = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, &supervisor, |link| link);
     let mut recorder = Recorder::default();
     recorder.recording.period_s = 1e-3;
     run::run(scenario, &mut opened.expect("a drive"), Clock::Lockstep, &mut recorder).expect("a run");
-    (recorder.recording, RecordedParameters::of(&recorder.parameters))
+    (recorder.recording, recorder.parameters)
 }
 
 fn replayed(
     scenario: &Scenario,
-    (recording, parameters): &(Recording, RecordedParameters),
+    (recording, parameters): &(Recording, Vec<ParameterInForce>),
     device: &Device,
 ) -> Result<Replay, ReplayError> {
     let supervisor = Supervisor::without_signals(None).expect("a thread");
@@ -150,8 +150,7 @@ fn parameter_that_the_firmware_lacks_is_named_before_any_sample() {
         ),
         (parameter("torque_limit_nm", Number::Real(-1.0), None), "does not take torque_limit_nm = -1.0"),
     ] {
-        let parameters = RecordedParameters::of(&[parameter]);
-        let error = replayed(&scenario, &(recording.clone(), parameters), &own_laws()).expect_err(part);
+        let error = replayed(&scenario, &(recording.clone(), vec![parameter]), &own_laws()).expect_err(part);
         assert!(error.to_string().contains(part), "{error}");
     }
 }
@@ -165,7 +164,7 @@ fn fault_that_only_the_replay_latches_is_a_difference() {
         parameter("controller", Number::Whole(1), Some("merzouki")),
         parameter("motor_speed_limit_rad_s", Number::Real(1.0), None),
     ];
-    let run = (recording, RecordedParameters::of(&strict));
+    let run = (recording, strict.to_vec());
     let result = replayed(&scenario, &run, &own_laws()).expect("a replay");
     assert!(
         result.agreement() == Agreement::Different

@@ -5,10 +5,11 @@
 
 use std::{env, fs};
 
-use lashloop_identify::coverage::{Coverage, HiddenPlant, Shown};
 use serde_json::Value;
 use tests::program;
 use tests::records::Records;
+
+use crate::hidden_plants::{Coverage, HiddenPlant, Shown};
 
 /// A plant takes some 10 s of a core, so the whole test command has a few of them.
 const SEEDS: std::ops::Range<u64> = 7000..7004;

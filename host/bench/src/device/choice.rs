@@ -1,7 +1,7 @@
 //! Parsing and display of `--device`.
 
 use std::fmt;
-use std::path::Path;
+use std::ops::Deref;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -16,11 +16,19 @@ use crate::timing::ClockName;
 
 /// The drive of a session: parsed from the text after `--device`, and displayed as that text.
 #[derive(Debug, Clone)]
-pub struct DeviceChoice(pub(super) Arc<dyn DeviceKind>);
+pub struct DeviceChoice(Arc<dyn DeviceKind>);
 
 impl<K: DeviceKind + 'static> From<K> for DeviceChoice {
     fn from(kind: K) -> Self {
         Self(Arc::new(kind))
+    }
+}
+
+impl Deref for DeviceChoice {
+    type Target = dyn DeviceKind;
+
+    fn deref(&self) -> &Self::Target {
+        self.0.as_ref()
     }
 }
 
@@ -42,32 +50,14 @@ impl DeviceChoice {
         if scenario.run.mode.is_hil() {
             return Ok(self.clone());
         }
-        let with_plant = self.0.with_plant(&PinPlant::new(scenario, clock))?;
+        let with_plant = self.with_plant(&PinPlant { scenario: scenario.clone(), clock })?;
         Ok(with_plant.map_or_else(|| self.clone(), |kind| Self(kind.into())))
-    }
-
-    /// Whether the device runs in bench mode under this clock.
-    #[must_use]
-    pub fn keeps_bench_clock(&self, clock: ClockName) -> bool {
-        self.0.keeps_bench_clock(clock)
     }
 
     /// Whether each session has a drive of its own, so that several can run at once.
     #[must_use]
     pub fn has_drive_per_session(&self) -> bool {
-        self.0.has_drive_per_session()
-    }
-
-    /// Whether the drive may be hardware: at a terminal or behind a network port.
-    #[must_use]
-    pub fn may_be_hardware(&self) -> bool {
-        self.0.may_be_hardware()
-    }
-
-    /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
-    #[must_use]
-    pub fn terminal(&self) -> Option<&Path> {
-        self.0.terminal()
+        !self.may_be_hardware()
     }
 }
 
@@ -90,7 +80,7 @@ pub fn forms(kinds: &[Syntax]) -> String {
 
 impl fmt::Display for DeviceChoice {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.0.name())
+        out.write_str(&self.name())
     }
 }
 

@@ -10,7 +10,7 @@ use lashloop_protocol::message::Identity;
 use super::choice::DeviceChoice;
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
-use super::evidence::{Build, Evidence, OpenFiles};
+use super::evidence::{Build, OpenFiles};
 use super::kind::Opened;
 use super::own_time::OwnTime;
 use crate::scenario::sections::LinkSettings;
@@ -49,7 +49,7 @@ pub struct Connection {
     /// What runs the drive.
     pub host: DriveHost,
     modelled_baud: Option<u32>,
-    files: OpenFiles,
+    pub(super) files: OpenFiles,
 }
 
 impl Connection {
@@ -64,11 +64,11 @@ impl Connection {
     ) -> Result<(Box<dyn Link>, Self), DeviceError> {
         let LineSpeed { baud, modelled_baud } = speed.into();
         if modelled_baud.is_some() {
-            choice.0.check_modelled_uart(baud)?;
+            choice.check_modelled_uart(baud)?;
         }
-        let Opened { link, host } = choice.0.open(baud, supervisor)?;
+        let Opened { link, host } = choice.open(baud, supervisor)?;
         tracing::debug!(device = %choice, baud, modelled_baud, "the line is open");
-        let files = OpenFiles::open(choice.0.files(supervisor));
+        let files = OpenFiles::open(choice.files(supervisor));
         let link: Box<dyn Link> = match host.process() {
             Some(process) => Box::new(OwnTime::new(link, process.watch.clone())),
             None => link,
@@ -94,24 +94,11 @@ impl Connection {
         )
     }
 
-    /// What casts doubt on a run, each in a sentence: an image or twin that is older than its sources, or of another build
-    /// than the bench; an adapter that holds received bytes for long.
-    #[must_use]
-    pub fn warnings(&self, identity: &Identity) -> Vec<String> {
-        self.files.warnings(identity).into_iter().chain(self.long_latency_timer()).collect()
-    }
-
     /// The remedy for an adapter whose latency timer stays long, in a sentence. A reconnect brings its default back.
     #[must_use]
     pub fn long_latency_timer(&self) -> Option<String> {
         let remedy = LatencyTimer::shorten(self.choice.terminal()?).remedy()?;
         Some(format!("the latency timer of {} is {remedy}", self.choice))
-    }
-
-    /// The drive's origin, for the record. Reads and hashes the files that run as the drive.
-    #[must_use]
-    pub fn evidence(&self, identity: &Identity) -> Evidence {
-        self.files.evidence(identity)
     }
 
     /// An error of the session as an error of this device: with its name, and with the end of its process.

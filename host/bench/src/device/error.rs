@@ -1,12 +1,11 @@
 //! Errors of a connection to a drive.
 
+use std::fmt;
 use std::io;
 use std::os::unix::process::ExitStatusExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 
-use lashloop_link::rfc2217::NegotiationError;
-use lashloop_link::tcp::ConnectError;
 use lashloop_protocol::enums::State;
 
 use lashloop_session::SessionError;
@@ -15,70 +14,17 @@ use rustix::process::Signal;
 /// Why a drive can't be reached or was lost: which side failed, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
-    /// The terminal can't be opened.
-    #[error("{}: {}", path.display(), open_reason(source))]
-    Open {
-        /// Path of the terminal.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-    /// A UART is to be modelled on a line that has one.
-    #[error(
-        "{device}: a serial port has a UART of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here"
-    )]
-    HasUart {
-        /// The serial port, as given to `--device`.
-        device: String,
-        /// Speed of its UART, bit/s.
-        baud: u32,
-    },
-    /// The firmware image is missing.
-    #[error(
-        "no image of the firmware at {}: build it with `cargo xtask image`, or name it by {kind}:PATH or LASHLOOP_IMAGE",
-        listed(places)
-    )]
-    NoImage {
-        /// The kind of device that runs it, as given to `--device`.
-        kind: &'static str,
-        /// The paths that were tried, in this order.
-        places: Vec<PathBuf>,
-    },
-    /// The program of a command is missing or may not be executed.
+    /// The device can't be reached as it is named, or not at this speed.
     #[error("{device}: {problem}")]
-    NoProgram {
-        /// The command, as given to `--device`.
+    Unreachable {
+        /// The device, as given to `--device`; of a native twin the path of its terminal.
         device: String,
-        /// What is missing, and what to do.
+        /// Why, and what to do.
         problem: String,
     },
-    /// The host of a TCP port can't be reached.
-    #[error("{device}: {source}")]
-    Connect {
-        /// The port, as given to `--device`.
-        device: String,
-        /// Why.
-        source: ConnectError,
-    },
-    /// The host was reached but does not serve its port by RFC 2217.
-    #[error("{device}: {source}")]
-    Negotiation {
-        /// The port, as given to `--device`.
-        device: String,
-        /// Why.
-        source: NegotiationError,
-    },
-    /// The emulator is not installed.
-    #[error(
-        "qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install qemu-system-arm`"
-    )]
-    NoEmulator,
-    /// The program of the virtual silicon is not built.
-    #[error("no virtual silicon at {}: build it with `cargo xtask silicon`", listed(places))]
-    NoSilicon {
-        /// The paths that were tried, in this order.
-        places: Vec<PathBuf>,
-    },
+    /// A program or an image is missing: where it was looked for, and what to do.
+    #[error("{0}")]
+    Missing(String),
     /// A program can't be started.
     #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {
@@ -164,6 +110,24 @@ pub(super) const COMMAND: &str = "command";
 const CRASHES: [Signal; 5] = [Signal::ILL, Signal::ABORT, Signal::BUS, Signal::FPE, Signal::SEGV];
 
 impl DeviceError {
+    pub(super) fn unreachable(device: impl fmt::Display, problem: impl fmt::Display) -> Self {
+        Self::Unreachable { device: device.to_string(), problem: problem.to_string() }
+    }
+
+    /// A terminal can't be opened.
+    pub(super) fn not_opened(path: &Path, error: &io::Error) -> Self {
+        Self::unreachable(path.display(), open_reason(error))
+    }
+
+    /// A UART is to be modelled on a serial port of this speed, in bit/s.
+    pub(super) fn has_uart(device: String, baud: u32) -> Self {
+        let problem = format!(
+            "a serial port has a UART of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so \
+             leave it 0 here"
+        );
+        Self::Unreachable { device, problem }
+    }
+
     /// Whether the user's own program behind the drive has ended by itself, rather than by a signal from outside. A program that has
     /// sent no good frame and says that it succeeded may be anything, such as `cat`. One that only stayed silent has ended since, for
     /// example because the bench closed its terminal.
@@ -195,7 +159,7 @@ impl DeviceError {
     }
 }
 
-fn listed(places: &[PathBuf]) -> String {
+pub(super) fn listed(places: &[PathBuf]) -> String {
     places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 

@@ -41,7 +41,7 @@ impl Device {
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
         let (link, connection) = Connection::open(choice, speed, supervisor)?;
-        let session = Session::open(middleware(link), choice.0.session_number())
+        let session = Session::open(middleware(link), choice.session_number())
             .map_err(|source| connection.explain(source))?;
         Ok(Self { session, connection })
     }
@@ -52,18 +52,20 @@ impl Device {
         self.connection.description(&self.session.identity)
     }
 
-    /// What casts doubt on a run, see [`Connection::warnings`], and on the drive, see [`Session::oddities`].
+    /// What casts doubt on a run, each in a sentence: an image or twin that is older than its sources, or of another build
+    /// than the bench; an adapter that holds received bytes for long; [`Session::oddities`] of the drive.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.connection.warnings(&self.session.identity);
+        let mut warnings = self.connection.files.warnings(&self.session.identity);
+        warnings.extend(self.connection.long_latency_timer());
         warnings.extend(self.session.oddities());
         warnings
     }
 
-    /// The drive's origin for the record, see [`Connection::evidence`], with the same warnings.
+    /// The drive's origin for the record, with what casts doubt on it. Reads and hashes the files that run as the drive.
     #[must_use]
     pub fn evidence(&self) -> Evidence {
-        let mut evidence = self.connection.evidence(&self.session.identity);
+        let mut evidence = self.connection.files.evidence(&self.session.identity);
         evidence.warnings.extend(self.session.oddities());
         evidence
     }

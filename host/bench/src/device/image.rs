@@ -4,14 +4,14 @@ use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::error::DeviceError;
+use super::error::{DeviceError, listed};
 
 /// Names of the images that `cargo xtask image` builds: this one for its default board, the others with the name of theirs.
 const IMAGE: &str = "lashloop-firmware.elf";
 /// Board of [`IMAGE`].
 const DEFAULT_BOARD: &str = "stm32f405";
 /// Variable of the environment with the path of an image.
-pub(super) const VARIABLE: &str = "LASHLOOP_IMAGE";
+const VARIABLE: &str = "LASHLOOP_IMAGE";
 /// The workspace that this program was built in. The build puts the image into its target folder.
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
@@ -42,7 +42,12 @@ pub fn find(kind: &'static str, given: Option<&Path>) -> Result<PathBuf, DeviceE
         Some(image) => vec![image.to_owned()],
         None => places(IMAGE, env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
     };
-    first(places).map_err(|places| DeviceError::NoImage { kind, places })
+    first(places).map_err(|places| {
+        DeviceError::Missing(format!(
+            "no image of the firmware at {}: build it with `cargo xtask image`, or name it by {kind}:PATH or {VARIABLE}",
+            listed(&places)
+        ))
+    })
 }
 
 /// The image of `cargo xtask image` for a board, for the default board without one.
@@ -57,8 +62,12 @@ pub fn find_for_board(board: Option<&str>) -> Result<PathBuf, Vec<PathBuf>> {
     first(places(&image, env::var_os(VARIABLE), env::current_exe().ok().as_deref()))
 }
 
-fn first(places: Vec<PathBuf>) -> Result<PathBuf, Vec<PathBuf>> {
-    places.iter().find(|image| image.is_file()).cloned().ok_or(places)
+/// The first file that exists.
+///
+/// # Errors
+/// None does: the places.
+pub(super) fn first(places: Vec<PathBuf>) -> Result<PathBuf, Vec<PathBuf>> {
+    places.iter().find(|place| place.is_file()).cloned().ok_or(places)
 }
 
 /// Where an image is looked for, in this order. One that the environment names is the only one.
@@ -98,8 +107,8 @@ mod tests {
     #[test]
     fn a_missing_image_is_reported_with_its_place() {
         let error = find("qemu", Some(Path::new("none.elf"))).unwrap_err();
-        assert!(
-            matches!(&error, DeviceError::NoImage { places, .. } if places == &[PathBuf::from("none.elf")])
-        );
+        let want = "no image of the firmware at none.elf: build it with `cargo xtask image`, or name it by qemu:PATH or \
+                    LASHLOOP_IMAGE";
+        assert_eq!(error.to_string(), want);
     }
 }

@@ -17,7 +17,9 @@ use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_plant::{Plant, PlantError};
 use lashloop_protocol::EncoderCounts;
 
-use super::pin_plant::PinScales;
+use super::error::DeviceError;
+use super::pin_plant::PinPlant;
+use crate::scenario::sections::EncoderSettings;
 
 /// Limits of the encoder counters, 16 bits and a filter as on a board, and a servo amplifier.
 const HARDWARE: PinHardware = PinHardware {
@@ -100,25 +102,29 @@ pub(super) struct InProcessBench<L: LawSet> {
 }
 
 impl<L: LawSet> InProcessBench<L> {
-    pub(super) fn new(plant: Box<dyn Plant>, scales: PinScales, torque_per_duty_nm: f64) -> Self {
-        let PinScales { motor_counts_per_rev, load_counts_per_rev, .. } = scales;
+    /// The drive with this plant, as the device of this name.
+    ///
+    /// # Errors
+    /// The scenario lacks the scale of the amplifier, or a value of the plant is outside its range.
+    pub(super) fn new(pins: &PinPlant, device: &str) -> Result<Self, DeviceError> {
+        let EncoderSettings { motor_counts_per_rev, load_counts_per_rev, .. } = pins.scenario.encoders;
         let mut train = DriveTrain {
-            plant,
+            torque_per_duty_nm: pins.torque_per_duty_nm(device)?,
+            plant: pins.release(device)?,
             at: Duration::ZERO,
-            torque_per_duty_nm,
             torque_nm: 0.0,
             counts_per_rad: [motor_counts_per_rev, load_counts_per_rev].map(|counts| f64::from(counts) / TAU),
             zero: [0; 2],
         };
         train.zero = train.counts();
-        Self {
+        Ok(Self {
             drive: Drive::with_pins(BOARD, HARDWARE),
             train,
             boot: Instant::now(),
             now: DeviceTime(Duration::ZERO),
             next_sample: Duration::ZERO,
             from_drive: Unread::default(),
-        }
+        })
     }
 
     fn take_output(&mut self) {

@@ -30,12 +30,7 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
         None
     }
 
-    /// Whether each session has a drive of its own, so that several can run at once.
-    fn has_drive_per_session(&self) -> bool {
-        true
-    }
-
-    /// Whether the drive may be hardware. A simulator is always one.
+    /// Whether the drive may be hardware, one for all sessions. By default each session has a simulator of its own.
     fn may_be_hardware(&self) -> bool {
         false
     }
@@ -92,6 +87,18 @@ pub struct Opened {
 
 /// A parsed name of a device, or what is missing in it.
 pub type ParsedKind = Result<Box<dyn DeviceKind>, String>;
+
+/// The kind in a name that begins with `prefix`; `None` for another name. `parse` parses the rest.
+pub(super) fn after<K: DeviceKind + 'static>(
+    prefix: &str,
+    text: &str,
+    parse: impl Fn(&str) -> Result<K, String>,
+) -> Option<ParsedKind> {
+    Some(match parse(text.strip_prefix(prefix)?) {
+        Ok(kind) => Ok(Box::new(kind)),
+        Err(problem) => Err(format!("{prefix} {problem}")),
+    })
+}
 
 /// How a user names a kind of device.
 #[derive(Clone, Copy)]

@@ -5,54 +5,25 @@ use serde::Serialize;
 
 use super::error::DeviceError;
 use crate::scenario::Scenario;
-use crate::scenario::plant::PlantSettings;
 use crate::timing::ClockName;
-
-/// What lies between duty and torque, and between position and count.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PinScales {
-    /// Torque for a duty of 1 more than 0.5, in N m; 0.5 gives zero torque. `None` if the scenario lacks it.
-    pub torque_per_duty_nm: Option<f64>,
-    /// Counts per revolution of the encoder at the motor.
-    pub motor_counts_per_rev: u32,
-    /// Counts per revolution of the encoder at the load.
-    pub load_counts_per_rev: u32,
-}
 
 /// The plant behind the pins. It starts at the initial state of the scenario, and the encoders read 0 there.
 #[derive(Debug, Clone)]
 pub struct PinPlant {
-    settings: PlantSettings,
-    period_s: f64,
-    /// Scales of encoders and amplifier.
-    pub scales: PinScales,
+    /// The scenario, with the scales of encoders and amplifier.
+    pub scenario: Scenario,
     /// What paces the run.
     pub clock: ClockName,
 }
 
 impl PinPlant {
-    /// The plant of a scenario.
-    #[must_use]
-    pub fn new(scenario: &Scenario, clock: ClockName) -> Self {
-        let encoders = &scenario.encoders;
-        Self {
-            settings: scenario.plant.clone(),
-            period_s: scenario.run.control_period_s(),
-            scales: PinScales {
-                torque_per_duty_nm: scenario.bench.torque_per_duty_nm(),
-                motor_counts_per_rev: encoders.motor_counts_per_rev,
-                load_counts_per_rev: encoders.load_counts_per_rev,
-            },
-            clock,
-        }
-    }
-
-    /// The scale of the amplifier, for the device of this name.
+    /// Torque for a duty of 1 more than 0.5, in N m, for the device of this name; 0.5 gives zero torque.
     ///
     /// # Errors
     /// The scenario lacks it.
     pub(super) fn torque_per_duty_nm(&self, device: &str) -> Result<f64, DeviceError> {
-        self.scales.torque_per_duty_nm.ok_or_else(|| DeviceError::NoScale { device: device.to_owned() })
+        let scale_nm = self.scenario.bench.torque_per_duty_nm();
+        scale_nm.ok_or_else(|| DeviceError::NoScale { device: device.to_owned() })
     }
 
     /// The plant at its start, for the device of this name.
@@ -60,7 +31,8 @@ impl PinPlant {
     /// # Errors
     /// A value is outside its range.
     pub(super) fn release(&self, device: &str) -> Result<Box<dyn Plant>, DeviceError> {
-        self.settings.release(self.period_s).map_err(|error| DeviceError::Unfit {
+        let Scenario { plant, run, .. } = &self.scenario;
+        plant.release(run.control_period_s()).map_err(|error| DeviceError::Unfit {
             device: device.to_owned(),
             problem: format!("it can't have this plant behind its pins: {error}"),
         })
@@ -71,19 +43,19 @@ impl PinPlant {
     /// # Errors
     /// A value can't be written as JSON.
     pub fn description(&self, torque_per_duty_nm: f64) -> Result<Vec<u8>, serde_json::Error> {
-        let start = &self.settings.initial;
+        let Scenario { plant, run, encoders, .. } = &self.scenario;
         serde_json::to_vec_pretty(&Description {
-            model: self.settings.model.name(),
-            values: &self.settings.values,
+            model: plant.model.name(),
+            values: &plant.values,
             start: Start {
-                motor_position_rad: start.motor_position_rad,
-                load_position_rad: start.load_position_rad,
+                motor_position_rad: plant.initial.motor_position_rad,
+                load_position_rad: plant.initial.load_position_rad,
             },
-            period_s: self.period_s,
+            period_s: run.control_period_s(),
             scales: Scales {
                 nm_per_full_duty: torque_per_duty_nm / 2.0,
-                motor_counts_per_rev: self.scales.motor_counts_per_rev,
-                load_counts_per_rev: self.scales.load_counts_per_rev,
+                motor_counts_per_rev: encoders.motor_counts_per_rev,
+                load_counts_per_rev: encoders.load_counts_per_rev,
             },
         })
     }

@@ -39,11 +39,7 @@ pub struct FaultRecord {
 /// The timeline of a run.
 pub struct Timeline {
     faults: Vec<TimedFault>,
-    /// The next step in which a fault may begin or end; `None` once all are over.
-    next: Option<u32>,
     link: Option<LinkFaults>,
-    /// Whether a fault may have begun or ended since [`Timeline::next_edge`] was empty.
-    has_news: bool,
 }
 
 /// The start or the end of an injected fault.
@@ -154,12 +150,7 @@ impl Timeline {
             }
         }
         let timed = |fault| TimedFault::new(fault, Schedule::of(fault, &scenario.run));
-        Ok(Self {
-            faults: scenario.faults.iter().map(timed).collect(),
-            next: (!scenario.faults.is_empty()).then_some(0),
-            link,
-            has_news: false,
-        })
+        Ok(Self { faults: scenario.faults.iter().map(timed).collect(), link })
     }
 
     /// Begins a step. The exchange of the step finds a drive that is lost here.
@@ -175,18 +166,7 @@ impl Timeline {
             link.set_step(Some(step));
         }
         self.revive(device);
-        if self.next.is_none_or(|next| step < next) {
-            return Ok(());
-        }
-        self.has_news = true;
-        for fault in &mut self.faults {
-            fault.advance(step, device)?;
-        }
-        let lasts_in_link_time = self.faults.iter().any(|fault| fault.over_at().is_some());
-        let edges = self.faults.iter().flat_map(|fault| fault.schedule.edges());
-        let edge = edges.filter(|edge| *edge > step).min();
-        self.next = if lasts_in_link_time { Some(step + 1) } else { edge };
-        Ok(())
+        self.faults.iter_mut().try_for_each(|fault| fault.advance(step, device))
     }
 
     /// Ends faults whose time is over. To be called in every step, and while a lost drive is awaited.
@@ -203,15 +183,10 @@ impl Timeline {
 
     /// The next begin or end of a fault that this has not returned yet.
     pub fn next_edge(&mut self) -> Option<FaultEdge> {
-        if !self.has_news {
-            return None;
-        }
-        let edge = self.faults.iter_mut().enumerate().find_map(|(number, fault)| {
+        self.faults.iter_mut().enumerate().find_map(|(number, fault)| {
             let (step, begins) = fault.next_edge()?;
             Some(FaultEdge { number, kind: fault.kind.name(), step, begins })
-        });
-        self.has_news = edge.is_some();
-        edge
+        })
     }
 
     /// Suspends the faults of the link for an exchange with the drive outside the loop.

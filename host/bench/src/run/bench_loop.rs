@@ -15,17 +15,14 @@ use lashloop_protocol::sequence::nearest_step;
 use super::answer_check::broken_torque_rule;
 use super::bench_phase::{BenchPhase, Measurement};
 use super::bench_positions::BenchPositions;
-use super::control_loop::{Counts, LoopSettings};
 use super::error::RunError;
 use super::latched_fault::latched_fault;
+use super::loop_state::{LoopSettings, LoopState};
 use super::outcome::End;
 use super::reconnect;
-use super::step::{DriveValues, Step, TraceRow, TruthValues};
+use super::step::{TraceRow, TruthValues};
 use super::step_sink::StepSink;
-use super::waiting_time::WaitingTime;
 use crate::device::{Device, DeviceError};
-use crate::fault::timeline::Timeline;
-use crate::scenario::Scenario;
 use crate::scenario::bench::BenchStart;
 use crate::timing::{ClockName, StepOutcome, StepTiming};
 use crate::verdict::{AnswerRule, BrokenRule};
@@ -42,48 +39,27 @@ const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
 
 /// The loop of a run in bench mode.
 pub(super) struct BenchLoop<'a, S> {
-    pub(super) scenario: &'a Scenario,
-    pub(super) sink: S,
-    pub(super) timeline: Timeline,
-    pub(super) settings: LoopSettings,
+    pub(super) state: LoopState<'a, S>,
     phase: BenchPhase,
     positions: BenchPositions,
-    /// `None` in real time, where the clock bounds every wait.
-    waiting: Option<WaitingTime>,
-    /// The next step to be recorded.
-    next_step: u32,
-    /// Recorded steps without a report.
-    unanswered: u64,
-    /// The last step. Its telemetry follows its report, so it is complete only with the next one.
-    unfinished: Option<Step>,
 }
 
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
-    pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
-        Self {
-            scenario,
-            sink,
-            timeline,
-            settings,
-            phase: BenchPhase::Started,
-            positions: BenchPositions::new(scenario),
-            waiting: (settings.clock == ClockName::Lockstep).then(waiting),
-            next_step: 0,
-            unanswered: 0,
-            unfinished: None,
-        }
+    pub(super) fn new(state: LoopState<'a, S>) -> Self {
+        let positions = BenchPositions::new(state.scenario);
+        Self { state, phase: BenchPhase::Started, positions }
     }
 
-    pub(super) fn counts(&self) -> Counts {
-        Counts { steps: self.next_step.into(), unanswered: self.unanswered, resumes: 0 }
+    /// The next step to be recorded.
+    fn next_step(&self) -> u32 {
+        self.state.counts.steps
     }
 
     /// Periods of the bench at most.
     pub(super) fn periods(&self) -> u32 {
-        let steps = self.scenario.run.steps();
-        match self.settings.clock {
+        let steps = self.state.scenario.run.steps();
+        match self.state.settings.clock {
             ClockName::Lockstep => steps,
             ClockName::RealTime => steps.saturating_add(steps / SLOWEST_CLOCK + MARGIN_PERIODS),
         }
@@ -96,8 +72,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         deadline: Instant,
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
-        self.miss(period, device)?;
-        if !period.is_multiple_of(self.scenario.bench.sample_every) {
+        self.state.begin(period, device)?;
+        if !period.is_multiple_of(self.state.scenario.bench.sample_every) {
             return Ok(None);
         }
         let reference_rad = self.reference_rad(period) - self.reference_zero_rad();
@@ -110,15 +86,12 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             Ok(report) => report,
             Err(source) => return self.lose(source, device),
         };
-        if let Some(waiting) = &mut self.waiting {
-            let spent = waiting.spend(asked.elapsed(), || device.connection.host.busy());
-            spent.map_err(|source| device.explain(source))?;
-        }
+        self.state.spend(asked.elapsed(), device)?;
         while let Some((present, arrived)) = report {
             if let Some(end) = self.take(present, arrived, period, device)? {
                 return Ok(Some(end));
             }
-            let is_last = self.settings.clock == ClockName::Lockstep && self.next_step > period;
+            let is_last = self.state.settings.clock == ClockName::Lockstep && self.next_step() > period;
             // Reports of a drive with a faster clock have gathered.
             let now = device.session.line.now();
             report = match if is_last { Ok(None) } else { self.report(now, device) } {
@@ -126,31 +99,20 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
                 Err(source) => return self.lose(source, device),
             };
         }
-        if self.next_step >= self.scenario.run.steps() {
+        if self.next_step() >= self.state.scenario.run.steps() {
             return Ok(Some(End::Complete));
         }
         self.check_silence(device)
     }
 
-    /// Begins a period without sending a reference.
-    pub(super) fn miss(&mut self, period: u32, device: &mut Device) -> Result<(), RunError> {
-        Ok(self.timeline.begin(period, device).map_err(|source| device.explain(source))?)
-    }
-
     /// Completes the record of a drive that has reported fewer steps than the run has.
     pub(super) fn complete(&mut self, device: &Device) -> Result<(), RunError> {
-        self.fill_steps_before(self.scenario.run.steps(), device)
+        self.fill_steps_before(self.state.scenario.run.steps(), device)
     }
 
     /// Passes the last step on, with the drive's latest signals.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
-        let Some(step) = &mut self.unfinished else { return Ok(()) };
-        if let Some(telemetry) = device.session.line.telemetry {
-            step.drive.take(&telemetry, 0, self.scenario.run.control_period_s(), device)?;
-        }
-        let taken = self.sink.take(step);
-        self.unfinished = None;
-        taken
+        self.state.finish(Some(0), device)
     }
 
     /// The next report, with the time of its arrival.
@@ -179,12 +141,12 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             BenchReport::Step(sample) => sample,
         };
         // A line may duplicate frames.
-        if sample.step < self.next_step || sample.step >= self.scenario.run.steps() {
+        if sample.step < self.next_step() || sample.step >= self.state.scenario.run.steps() {
             return Ok(None);
         }
         let BenchSample { sequence, torque_nm, status, reference_number, .. } = sample.message;
         let broken = |rule| Ok(Some(End::RuleBroken(BrokenRule { rule, step: sample.step, sequence })));
-        if let Some(rule) = broken_torque_rule(torque_nm, status, self.settings.torque_limit_nm) {
+        if let Some(rule) = broken_torque_rule(torque_nm, status, self.state.settings.torque_limit_nm) {
             return broken(rule);
         }
         if status.state != State::Running {
@@ -196,8 +158,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         self.fill_steps_before(sample.step, device)?;
         self.measure(&sample, reference, arrived, device)?;
         let end = self.leave_travel();
-        let steps = self.scenario.run.steps();
-        if end.is_none() && steps - sample.step <= self.scenario.bench.sample_every {
+        let steps = self.state.scenario.run.steps();
+        if end.is_none() && steps - sample.step <= self.state.scenario.bench.sample_every {
             self.fill_steps_before(steps, device)?;
         }
         Ok(end)
@@ -206,7 +168,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The end of a run whose load has left its travel.
     fn leave_travel(&self) -> Option<End> {
         let BenchPhase::Measuring { travel_zero_rad, latest, .. } = &self.phase else { return None };
-        let limit_rad = self.scenario.bench.load_travel_limit_rad?;
+        let limit_rad = self.state.scenario.bench.load_travel_limit_rad?;
         let reached_rad = (latest.row.load_position_rad - travel_zero_rad).abs();
         (reached_rad > limit_rad).then_some(End::BeyondTravel { reached_rad, limit_rad })
     }
@@ -236,9 +198,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
         let timing = StepTiming {
             lateness: tenths_us(sample.lateness_tenths_us),
-            outcome: StepOutcome::Answered,
-            round_trip: None,
             tick_compute: Some(tenths_us(sample.compute_tenths_us)),
+            ..StepTiming::of(StepOutcome::Answered)
         };
         let latest = Measurement { step: sample.step, row, timing };
         self.phase = BenchPhase::Measuring { silent_since: arrived, travel_zero_rad, latest };
@@ -256,7 +217,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// # Errors
     /// The load is not where the scenario starts.
     fn travel_zero_rad(&self, load_position_rad: f64, device: &Device) -> Result<f64, RunError> {
-        match self.scenario.bench.start {
+        match self.state.scenario.bench.start {
             BenchStart::Anywhere => Ok(load_position_rad),
             BenchStart::Initial => {
                 let distance_rad = load_position_rad - self.positions.load_zero_rad();
@@ -273,10 +234,10 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// Records the steps before `step` with the last measurement: those without a report after one that has arrived, and those
     /// whose report is lost.
     fn fill_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
-        while self.next_step < step {
-            let timing = self.phase.timing_of(self.next_step, self.scenario.bench.sample_every);
+        while self.next_step() < step {
+            let timing = self.phase.timing_of(self.next_step(), self.state.scenario.bench.sample_every);
             if timing.outcome == StepOutcome::Unanswered {
-                self.unanswered += 1;
+                self.state.counts.unanswered += 1;
             }
             self.record(None, timing, device)?;
         }
@@ -290,13 +251,11 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &Device,
     ) -> Result<(), RunError> {
         self.finish(device)?;
-        let LoopSettings { plant_signals, drive_signals, .. } = self.settings;
-        let time_s = f64::from(self.next_step) * self.scenario.run.control_period_s();
+        let LoopSettings { plant_signals, .. } = self.state.settings;
+        let time_s = f64::from(self.next_step()) * self.state.scenario.run.control_period_s();
         let row = TraceRow { time_s, ..self.latest_row() };
         let plant: TruthValues = std::iter::repeat_n(f64::NAN, plant_signals.min(MAX_SIGNALS)).collect();
-        let drive = DriveValues::unknown(drive_signals);
-        self.unfinished = Some(Step { row, sample, plant, drive, timing });
-        self.next_step += 1;
+        self.state.record(row, sample, plant, timing);
         Ok(())
     }
 
@@ -305,7 +264,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         match &self.phase {
             BenchPhase::Measuring { latest, .. } => latest.row,
             BenchPhase::Started | BenchPhase::AwaitingFirstStep { .. } => {
-                let start = &self.scenario.plant.initial;
+                let start = &self.state.scenario.plant.initial;
                 TraceRow {
                     time_s: 0.0,
                     reference_rad: self.reference_rad(0),
@@ -325,7 +284,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         step: u32,
         device: &mut Device,
     ) -> Result<End, RunError> {
-        self.timeline.pause();
+        self.state.timeline.pause();
         let deadline = device.session.line.now() + FAULT_REPORT_LIMIT;
         let line = &mut device.session.line;
         let fault = match line.fault {
@@ -342,7 +301,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
     }
 
     fn check_silence(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {
-        let limit = self.scenario.link.silence_limit();
+        let limit = self.state.scenario.link.silence_limit();
         let Some(silent_since) = self.phase.silent_since() else { return Ok(None) };
         if device.session.line.now().saturating_duration_since(silent_since) < limit {
             return Ok(None);
@@ -355,7 +314,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         if !source.is_loss() {
             return Err(device.explain(source).into());
         }
-        match reconnect::end_of_loss(source, self.scenario, device) {
+        match reconnect::end_of_loss(source, self.state.scenario, device) {
             Some(end) => end.map(Some),
             // The reader of scenarios rejects it.
             None => Ok(Some(End::DriveRestarted)),
@@ -364,10 +323,13 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
     fn reference_zero_rad(&self) -> f64 {
-        if self.settings.takes_torque { 0.0 } else { self.positions.load_zero_rad() }
+        if self.state.settings.takes_torque { 0.0 } else { self.positions.load_zero_rad() }
     }
 
     fn reference_rad(&self, period: u32) -> f64 {
-        self.scenario.reference.position_rad(f64::from(period) * self.scenario.run.control_period_s())
+        self.state
+            .scenario
+            .reference
+            .position_rad(f64::from(period) * self.state.scenario.run.control_period_s())
     }
 }

@@ -1,17 +1,9 @@
 //! Where the drive is in a run of bench mode.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::step::TraceRow;
 use crate::timing::{StepOutcome, StepTiming};
-
-/// A step whose report is lost.
-const UNREPORTED: StepTiming = StepTiming {
-    lateness: Duration::ZERO,
-    outcome: StepOutcome::Unanswered,
-    round_trip: None,
-    tick_compute: None,
-};
 
 /// Where the drive is in a run of bench mode, as the loop sees it. Instants are of the link's time.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +69,10 @@ impl BenchPhase {
             Self::Measuring { latest, .. } if step / sample_every == latest.step / sample_every => {
                 latest.timing
             }
-            Self::Started | Self::AwaitingFirstStep { .. } | Self::Measuring { .. } => UNREPORTED,
+            // Its report is lost.
+            Self::Started | Self::AwaitingFirstStep { .. } | Self::Measuring { .. } => {
+                StepTiming::of(StepOutcome::Unanswered)
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use lashloop_protocol::parameter_names::{
 
 use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM, key_of_pin};
 use crate::scenario::controller::{self, ParameterSetting};
-use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
+use crate::scenario::{Origin, Scenario, ScenarioError, ScenarioErrors};
 use lashloop_session::names::UnknownName;
 use lashloop_session::{Law, Parameter, Session, Subscription, WrittenValue};
 
@@ -25,9 +25,7 @@ const PINS: f64 = 1.0;
 pub(super) struct DriveSettings<'a> {
     /// Parameters that every drive must have, with their values.
     pub(super) required: Vec<(&'static str, f64)>,
-    /// Those of `[bench]`, in bench mode.
-    pub(super) bench: &'a [ParameterSetting],
-    /// Those of `[controller.parameters]` that the law has.
+    /// Those of `[bench]`, in bench mode, then those of `[controller.parameters]` that the law has.
     pub(super) parameters: Vec<&'a ParameterSetting>,
     pub(super) subscription: Subscription,
     /// What the scenario has and the drive is not given, for the log of the run.
@@ -52,13 +50,14 @@ impl<'a> DriveSettings<'a> {
         let from_sections = from_sections(scenario, law);
         let parameters = scenario.controller.parameters.iter().filter(|setting| {
             match check(setting, scenario, session, law, &from_sections) {
-                Ok(Use::Set) => return true,
-                Ok(Use::LeaveOut(note)) => notes.push(note),
+                Ok(None) => return true,
+                Ok(Some(note)) => notes.push(note),
                 Err(error) => errors.push(error),
             }
             false
         });
-        let parameters = parameters.collect();
+        let of_pins = scenario.bench.parameters.iter().filter(|_| !scenario.run.mode.is_hil());
+        let parameters = of_pins.chain(parameters).collect();
         let subscription = match &scenario.telemetry.signals {
             Some(_) => chosen(scenario, session, law, &mut errors),
             None => {
@@ -83,17 +82,13 @@ impl<'a> DriveSettings<'a> {
             |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
         let mut required: Vec<_> = from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
         required.retain(|(name, _)| !is_optional(*name));
-        let bench = match scenario.run.mode {
-            RunMode::Hil => &[][..],
-            RunMode::Bench => &scenario.bench.parameters,
-        };
         if !scenario.run.mode.is_hil() {
             required
                 .extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, scenario.bench.sample_every.into())]);
         } else if let Some(watchdog) = watchdog {
             required.push((WATCHDOG_US, 1e6 * watchdog.as_secs_f64()));
         }
-        Ok(Self { required, bench, parameters, subscription, notes })
+        Ok(Self { required, parameters, subscription, notes })
     }
 }
 
@@ -148,19 +143,14 @@ fn check_start(scenario: &Scenario, session: &Session, law: &Law) -> Result<(), 
     Err(ScenarioError::by_drive(&chosen.origin, "controller.name", format!("{:?}", law.name), reason))
 }
 
-/// What becomes of a parameter of the scenario.
-enum Use {
-    Set,
-    LeaveOut(String),
-}
-
+/// Checks a parameter of the scenario. A note says why it is left out.
 fn check(
     setting: &ParameterSetting,
     scenario: &Scenario,
     session: &Session,
     law: &Law,
     from_sections: &[(&str, &str, f64)],
-) -> Result<Use, ScenarioError> {
+) -> Result<Option<String>, ScenarioError> {
     let of_sections = from_sections.iter().map(|(name, key, _)| (*name, *key)).chain(OF_BENCH_MODE);
     let of_sections = of_sections.into_iter().find(|(name, _)| *name == setting.name);
     let of_pins = || key_of_pin(&setting.name);
@@ -177,7 +167,7 @@ fn check(
     }
     let value = parameter.value(written(&setting.value));
     value.map_err(|error| ScenarioError::parameter(setting, format!("is refused: {error}")))?;
-    Ok(Use::Set)
+    Ok(None)
 }
 
 /// A parameter of another law is an error, except where the command line has replaced the law that the file sets it for.
@@ -186,11 +176,11 @@ fn foreign(
     scenario: &Scenario,
     session: &Session,
     parameter: &Parameter,
-) -> Result<Use, ScenarioError> {
+) -> Result<Option<String>, ScenarioError> {
     let (laws, chosen) = (parameter.laws.names(&session.laws), &scenario.controller);
     let name = &setting.name;
     match (chosen.origin.replacement(), &setting.origin) {
-        (Some(option), Origin::File { .. }) => Ok(Use::LeaveOut(format!(
+        (Some(option), Origin::File { .. }) => Ok(Some(format!(
             "controller.parameters.{name} of {} is left out: it belongs to {laws}, and {option} chooses {}",
             setting.origin, chosen.name
         ))),

@@ -22,7 +22,7 @@ pub(super) fn close<S: StepSink>(
 ) -> Result<End, RunError> {
     let answer_timeout = scenario.link.answer_timeout();
     for step in 0..control.periods() {
-        if control.stop_asked() {
+        if control.state().sink.stop_asked() {
             return Ok(End::Interrupted);
         }
         let deadline = device.session.line.now() + answer_timeout;

@@ -11,6 +11,7 @@
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
 //! | [`real_time`] | paces the loop by the wall clock |
 //! | `run_loop` | what closes the loop: HIL mode or bench mode |
+//! | `loop_state` | what the loops of both modes have in common |
 //! | `control_loop` | one step of HIL mode |
 //! | `bench_loop` | one period of bench mode: a reference, and the reports of the drive's own steps |
 //! | `bench_phase` | where the drive is in a run of bench mode: started, awaited, measuring |
@@ -42,6 +43,7 @@ mod error;
 mod held_torque;
 mod latched_fault;
 mod lockstep;
+mod loop_state;
 pub mod outcome;
 mod phase;
 pub mod real_time;

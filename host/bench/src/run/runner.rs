@@ -5,13 +5,13 @@ use std::sync::atomic::AtomicBool;
 use lashloop_link::TimeBase;
 
 use super::clock::Clock;
-use super::control_loop::{Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
 use super::drive_settings::takes_torque;
 use super::error::RunError;
+use super::loop_state::{Counts, LoopSettings};
 use super::outcome::{End, Outcome};
-use super::real_time::{self, Pace, RealTime, Ring};
-use super::run_loop::{RunLoop, StepSource};
+use super::real_time::{self, RealTime, Ring};
+use super::run_loop::RunLoop;
 use super::simulator::Simulator;
 use super::step_recorder::StepRecorder;
 use super::step_sink::{RunStart, StepObserver, StepSink};
@@ -49,7 +49,7 @@ fn observed(
     observer: &mut dyn StepObserver,
 ) -> Result<Outcome, RunError> {
     let DeviceUnderTest { device, link_faults } = under_test;
-    let (source, plant_signals) = source(scenario, device, clock)?;
+    let (simulator, plant_signals) = simulator(scenario, device, clock)?;
     let timeline = Timeline::new(scenario, device, link_faults.clone())?;
     let is_timed = clock != Clock::Untimed || !matches!(device.connection.host, DriveHost::InProcess(_));
     device.session.line.set_time_base(match clock {
@@ -81,15 +81,15 @@ fn observed(
     let mut recorder = StepRecorder::new(scenario, &measured, clock.name(), observer);
     let (closed, refused) = match clock {
         Clock::Lockstep | Clock::Untimed | Clock::Scripted => {
-            let control = RunLoop::new(scenario, source, timeline, settings, &mut recorder);
+            let control = RunLoop::new(scenario, simulator, timeline, settings, &mut recorder);
             let closed = run_to_end(control, device, scenario.run.mode, |control, device| match clock {
-                Clock::Scripted => real_time::close(control, scenario, device, Pace::Link),
+                Clock::Scripted => real_time::close(control, scenario, device, None),
                 _ => lockstep::close(control, scenario, device),
             });
             (closed?, Vec::new())
         }
         Clock::RealTime(options) => {
-            in_real_time(scenario, source, timeline, settings, device, &options, &mut recorder)?
+            in_real_time(scenario, simulator, timeline, settings, device, &options, &mut recorder)?
         }
     };
     let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults } = closed;
@@ -111,8 +111,8 @@ fn observed(
         link,
         timing,
         faults,
-        steps,
-        simulated_s: steps as f64 * scenario.run.control_period_s(),
+        steps: steps.into(),
+        simulated_s: f64::from(steps) * scenario.run.control_period_s(),
         wall_s,
         torque_sha256: recorder.digest.finish(),
         logs: device.session.line.logs.take(),
@@ -120,19 +120,23 @@ fn observed(
     })
 }
 
-/// Where the steps come from, and the signals of the plant in the record.
-fn source(scenario: &Scenario, device: &Device, clock: Clock) -> Result<(StepSource, Vec<Signal>), RunError> {
+/// The simulator in HIL mode, and the signals of the plant in the record.
+fn simulator(
+    scenario: &Scenario,
+    device: &Device,
+    clock: Clock,
+) -> Result<(Option<Simulator>, Vec<Signal>), RunError> {
     match scenario.run.mode {
         RunMode::Hil => {
             let simulator = Simulator::new(scenario)?;
             let signals = simulator.signals().to_vec();
-            Ok((StepSource::Simulator(Box::new(simulator)), signals))
+            Ok((Some(simulator), signals))
         }
         RunMode::Bench => {
             check_bench_mode(device, clock.name())?;
             // The columns of HIL mode, without values.
             let plant = scenario.plant.release(scenario.run.control_period_s())?;
-            Ok((StepSource::Pins, plant.signals().to_vec()))
+            Ok((None, plant.signals().to_vec()))
         }
     }
 }
@@ -176,7 +180,7 @@ struct Closed {
 /// Runs the loop on its own thread and the recorder on this one.
 fn in_real_time(
     scenario: &Scenario,
-    source: StepSource,
+    simulator: Option<Simulator>,
     timeline: Timeline,
     settings: LoopSettings,
     device: &mut Device,
@@ -189,9 +193,9 @@ fn in_real_time(
     let mut recorder = recorder;
     let work = || {
         let refused = real_time::obtain(options);
-        let control = RunLoop::new(scenario, source, timeline, settings, ring);
+        let control = RunLoop::new(scenario, simulator, timeline, settings, ring);
         let closed = run_to_end(control, device, scenario.run.mode, |control, device| {
-            real_time::close(control, scenario, device, Pace::WallClock { spin: options.spin })
+            real_time::close(control, scenario, device, Some(options.spin))
         });
         (closed, refused)
     };
@@ -228,13 +232,13 @@ fn run_to_end<'a, S: StepSink>(
         end => end,
     };
     let wall_s = (device.session.line.timestamp() - started).as_secs_f64();
-    let faults = control.timeline().end(device);
+    let faults = control.state().timeline.end(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
         Ok(end) if end.leaves_a_session() => {
             // On a line that lost samples a partial frame may precede the stop.
-            let cleared =
-                if control.counts().unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
+            let has_gaps = control.state().counts.unanswered > 0;
+            let cleared = if has_gaps { device.session.line.end_frame() } else { Ok(()) };
             let stopped = cleared.and_then(|()| device.session.stop());
             stopped.map_err(|source| device.explain(source))
         }
@@ -250,7 +254,7 @@ fn run_to_end<'a, S: StepSink>(
     if let Some(warning) = device.session.telemetry_warning() {
         device.session.line.logs.note(warning);
     }
-    let last = u32::try_from(control.counts().steps).unwrap_or(u32::MAX);
+    let last = control.state().counts.steps;
     let finished = control.finish(device);
     control.pass_events_on(last, device)?;
     finished?;
@@ -259,7 +263,7 @@ fn run_to_end<'a, S: StepSink>(
     if end == End::Complete {
         stopped?;
     }
-    Ok(Closed { end, counts: control.counts(), wall_s, faults })
+    Ok(Closed { end, counts: control.state().counts, wall_s, faults })
 }
 
 /// The end of a run with the drive's own names of what this bench doesn't know.

@@ -51,12 +51,6 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
     for (name, number) in settings.required {
         set_required(device, name, number)?;
     }
-    for setting in settings.bench {
-        device.session.set(&setting.name, written(&setting.value)).map_err(|error| match error {
-            SetError::Session(source) => device.explain(source).into(),
-            refused => RunError::from(ScenarioError::of_bench(setting, format!("is refused: {refused}"))),
-        })?;
-    }
     for setting in settings.parameters {
         device.session.set(&setting.name, written(&setting.value)).map_err(|error| match error {
             SetError::Session(source) => device.explain(source).into(),

@@ -4,8 +4,7 @@ use lashloop_plant::metrics::{Measurement, Metrics, Plan, SignalTable};
 
 use super::digest::TorqueDigest;
 use super::error::RunError;
-use super::step::Step;
-use super::step_sink::{Event, StepObserver, StepSink};
+use super::step_sink::{Item, StepObserver, StepSink};
 use crate::scenario::expectation::Expectation;
 use crate::scenario::{RunMode, Scenario};
 use crate::timing::{ClockName, Timings};
@@ -54,15 +53,17 @@ impl<'a> StepRecorder<'a> {
 }
 
 impl StepSink for &mut StepRecorder<'_> {
-    fn take(&mut self, step: &Step) -> Result<(), RunError> {
-        self.digest.push(step.row.torque_nm as f32);
-        self.timings.push(&step.timing);
-        self.measurement.push(&step.measured(self.mode));
-        Ok(self.observer.step(step)?)
-    }
-
-    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
-        Ok(self.observer.event(step, &event)?)
+    fn take(&mut self, item: Item) -> Result<(), RunError> {
+        match item {
+            Item::Step(step) => {
+                self.digest.push(step.row.torque_nm as f32);
+                self.timings.push(&step.timing);
+                self.measurement.push(&step.measured(self.mode));
+                self.observer.step(&step)?;
+            }
+            Item::Event { step, event } => self.observer.event(step, &event)?,
+        }
+        Ok(())
     }
 
     fn stop_asked(&self) -> bool {

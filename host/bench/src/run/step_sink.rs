@@ -93,19 +93,23 @@ impl StepObserver for Observers<'_> {
     }
 }
 
+/// A finished step, or what happens in a step.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly every item is a step, and a box would be an allocation on the loop's thread"
+)]
+pub(super) enum Item {
+    Step(Step),
+    Event { step: u32, event: Event },
+}
+
 /// Takes steps on the loop's own thread.
 pub(super) trait StepSink {
-    /// Takes the next step.
+    /// Takes the next step or event.
     ///
     /// # Errors
-    /// The step can't be kept; the run ends.
-    fn take(&mut self, step: &Step) -> Result<(), RunError>;
-
-    /// Takes an event of a step.
-    ///
-    /// # Errors
-    /// As [`Self::take`].
-    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError>;
+    /// It can't be kept; the run ends.
+    fn take(&mut self, item: Item) -> Result<(), RunError>;
 
     /// Whether the run is to end early. Polled in every step.
     fn stop_asked(&self) -> bool;

@@ -7,9 +7,7 @@ use serde::Serialize;
 
 use super::controller::{ParameterSetting, ParameterValue, serialize_parameters};
 use super::declare::{Field, choice, field, integer, name_of, number};
-use super::error::ScenarioError;
 use super::key::Choice;
-use super::key_error::KeyError;
 use super::plant::PlantSettings;
 use super::range::positive;
 use super::reader::Section;
@@ -85,26 +83,25 @@ fn is_one(number: &u32) -> bool {
 
 /// The keys of the pins. Each is an optional parameter of the drive.
 fn pins() -> impl Field<Value = Vec<ParameterSetting>> {
-    let read = |_: &'static str, bench: &mut Section<'_>| {
+    field(|_, _, bench| {
         let mut parameters = Vec::new();
-        each_pin(|key, _, pin| {
-            let (name, origin) = (key.to_owned(), bench.origin_of(key));
-            parameters.extend(pin.read(key, bench).map(|value| ParameterSetting { name, value, origin }));
-        });
+        let mut take = |key: &str, value: Option<ParameterValue>, origin| {
+            let name = key.to_owned();
+            parameters.extend(value.map(|value| ParameterSetting { section: "bench", name, value, origin }));
+        };
+        for (key, low, high, doc) in NUMBERS {
+            let number = number(low..=high).optional().read(key, doc, bench);
+            take(key, number.map(ParameterValue::Number), bench.origin_of(key));
+        }
+        let direction = |name, doc| Choice { name, doc };
+        for (key, doc) in DIRECTIONS {
+            let names =
+                vec![direction("forward", "as wired"), direction("reverse", "with the opposite sign")];
+            let name = name_of(names).optional().read(key, doc, bench);
+            take(key, name.map(ParameterValue::Text), bench.origin_of(key));
+        }
         parameters
-    };
-    field(|_, _, keys| each_pin(|key, doc, pin| pin.declare(key, doc, keys)), read)
-}
-
-fn each_pin(mut with: impl FnMut(&'static str, &'static str, &dyn Field<Value = Option<ParameterValue>>)) {
-    for (key, low, high, doc) in NUMBERS {
-        with(key, doc, &number(low..=high).optional().map(|number, _| number.map(ParameterValue::Number)));
-    }
-    let direction = |name, doc| Choice { name, doc };
-    for (key, doc) in DIRECTIONS {
-        let names = vec![direction("forward", "as wired"), direction("reverse", "with the opposite sign")];
-        with(key, doc, &name_of(names).optional().map(|name, _| name.map(ParameterValue::Text)));
-    }
+    })
 }
 
 impl Default for BenchSettings {
@@ -130,18 +127,6 @@ impl BenchSettings {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
-    }
-}
-
-impl ScenarioError {
-    /// The error for a value of `[bench]` that the drive rejects, which shows only after connecting.
-    #[must_use]
-    pub fn of_bench(setting: &ParameterSetting, reason: impl Into<String>) -> Self {
-        Self::Key {
-            origin: setting.origin.clone(),
-            key: format!("bench.{}", setting.name),
-            error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
-        }
     }
 }
 

@@ -7,7 +7,6 @@ use lashloop_plant::Plants;
 
 use super::declare::{Field, section};
 use super::error::{ScenarioError, ScenarioErrors};
-use super::key_error::KeyError;
 use super::origin::Origin;
 use super::overrides::{Override, place, read_tree};
 use super::reader::read_document;
@@ -59,7 +58,7 @@ impl Cases {
                 alone.insert("sweep", node);
                 let start = Origin::File { file, line: 1, column: 1 };
                 let sweep = section(Sweep::checked);
-                let document = read_document(&alone, start, &|_| {}, |root| sweep.read("sweep", root));
+                let document = read_document(&alone, start, |root| sweep.read("sweep", "", root));
                 errors.extend(document.errors);
                 if errors.is_empty() { document.result.cases() } else { Vec::new() }
             }
@@ -101,8 +100,7 @@ impl Cases {
         let mut errors = Vec::new();
         for Setting { key, node } in case {
             if let Err(reason) = place(&mut tree, key, node.clone()) {
-                let error = Box::new(KeyError::Rejected { found: node.value.to_string(), reason });
-                errors.push(ScenarioError::Key { origin: node.origin.clone(), key: key.clone(), error });
+                errors.push(ScenarioError::rejected(&node.origin, key, &node.value, reason));
             }
         }
         let is_overridden = self.is_overridden || !case.is_empty();
@@ -127,7 +125,6 @@ impl Cases {
 /// The error of a key that the command line sets and the sweep varies.
 fn given_twice(tree: &Table, Setting { key, node }: &Setting) -> Option<ScenarioError> {
     let option = tree.find(key)?.origin.replacement()?;
-    let error =
-        KeyError::Rejected { found: option, reason: "sets a key that [sweep] varies; remove one".to_owned() };
-    Some(ScenarioError::Key { origin: node.origin.clone(), key: key.clone(), error: Box::new(error) })
+    let reason = "sets a key that [sweep] varies; remove one";
+    Some(ScenarioError::rejected(&node.origin, key, option, reason))
 }

@@ -35,6 +35,8 @@ settings! {
 /// reported then, by [`ScenarioError::parameter`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterSetting {
+    /// Its section, such as `controller.parameters`.
+    pub section: &'static str,
     /// Name of the parameter.
     pub name: String,
     /// Its value.
@@ -48,8 +50,7 @@ impl ScenarioError {
     /// the sentence after `found`, the value as written.
     #[must_use]
     pub fn by_drive(origin: &Origin, key: &str, found: String, reason: impl fmt::Display) -> Self {
-        let error = KeyError::Rejected { found, reason: format!("is refused: {reason}") };
-        Self::Key { origin: origin.clone(), key: key.to_owned(), error: Box::new(error) }
+        Self::rejected(origin, key, found, format!("is refused: {reason}"))
     }
 
     /// The error for a parameter that the drive rejects, which shows only after connecting, because the drive describes its
@@ -57,11 +58,8 @@ impl ScenarioError {
     /// `is out of range; it must be >= 0 and <= 50 N m`.
     #[must_use]
     pub fn parameter(setting: &ParameterSetting, reason: impl Into<String>) -> Self {
-        Self::Key {
-            origin: setting.origin.clone(),
-            key: format!("controller.parameters.{}", spell_key(&setting.name)),
-            error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
-        }
+        let key = format!("{}.{}", setting.section, spell_key(&setting.name));
+        Self::rejected(&setting.origin, key, &setting.value, reason)
     }
 }
 
@@ -89,21 +87,20 @@ impl fmt::Display for ParameterValue {
 
 /// `[controller.parameters]`, in the order of the file.
 fn parameters() -> impl Field<Value = Vec<ParameterSetting>> {
-    section_of(
-        |keys| keys.further = Further::Values,
-        |parameters| {
-            let setting = |(name, node): (&str, &Node)| match read_value(node) {
-                Ok(value) => {
-                    Some(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() })
-                }
-                Err(error) => {
-                    parameters.error(&spell_key(name), node, error);
-                    None
-                }
-            };
-            parameters.all().filter_map(setting).collect()
-        },
-    )
+    section_of(|parameters| {
+        parameters.describe(|keys| keys.further = Further::Values);
+        let setting = |(name, node): (&str, &Node)| match read_value(node) {
+            Ok(value) => {
+                let (name, origin) = (name.to_owned(), node.origin.clone());
+                Some(ParameterSetting { section: "controller.parameters", name, value, origin })
+            }
+            Err(error) => {
+                parameters.error(&spell_key(name), node, error);
+                None
+            }
+        };
+        parameters.all().filter_map(setting).collect()
+    })
 }
 
 fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {

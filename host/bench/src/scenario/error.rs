@@ -8,7 +8,6 @@
 //! ```
 
 use std::fmt;
-use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -18,20 +17,12 @@ use super::origin::Origin;
 /// One thing that is wrong with a scenario.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
-    /// The file can't be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file as the user named it.
-        path: PathBuf,
-        /// The operating system's reason.
-        source: io::Error,
-    },
-    /// The file can't be a scenario, for instance a folder.
+    /// The file can't be read, or can't be a scenario, for instance a folder.
     #[error("{}: {reason}", path.display())]
     Unusable {
         /// The file as the user named it.
         path: PathBuf,
-        /// What it is, and what to do.
+        /// The operating system's reason, or what it is and what to do.
         reason: String,
     },
     /// The file isn't TOML.
@@ -67,6 +58,17 @@ pub enum ScenarioError {
 }
 
 impl ScenarioError {
+    /// The error of a value that contradicts others. `reason` continues the sentence after `found`.
+    pub(super) fn rejected(
+        origin: &Origin,
+        key: impl Into<String>,
+        found: impl fmt::Display,
+        reason: impl Into<String>,
+    ) -> Self {
+        let error = Box::new(KeyError::rejected(found, reason));
+        Self::Key { origin: origin.clone(), key: key.into(), error }
+    }
+
     /// Whether this is a missing key whose path begins with `inside`.
     pub(super) fn is_missing_inside(&self, inside: &str) -> bool {
         matches!(self, Self::Key { key, error, .. }
@@ -77,7 +79,7 @@ impl ScenarioError {
     #[must_use]
     pub fn place(&self) -> Option<(String, usize, usize)> {
         match self {
-            Self::Read { path, .. } | Self::Unusable { path, .. } => Some((path.display().to_string(), 1, 1)),
+            Self::Unusable { path, .. } => Some((path.display().to_string(), 1, 1)),
             Self::Syntax { file, line, column, .. } => Some((file.to_string(), *line, *column)),
             Self::Option { .. } => None,
             Self::Key { origin, .. } => {
@@ -90,7 +92,6 @@ impl ScenarioError {
     #[must_use]
     pub fn problem(&self) -> String {
         match self {
-            Self::Read { source, .. } => format!("cannot be read: {source}"),
             Self::Unusable { reason, .. } | Self::Syntax { reason, .. } => reason.clone(),
             Self::Option { .. } => self.to_string(),
             Self::Key { origin: Origin::Sweep { setting, .. }, key, error } => {
@@ -103,7 +104,7 @@ impl ScenarioError {
     pub(super) fn order(&self) -> (bool, usize) {
         match self {
             Self::Key { origin, .. } => origin.order(),
-            Self::Read { .. } | Self::Unusable { .. } | Self::Syntax { .. } => (false, 0),
+            Self::Unusable { .. } | Self::Syntax { .. } => (false, 0),
             Self::Option { .. } => (true, 0),
         }
     }

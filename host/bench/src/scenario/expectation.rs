@@ -7,7 +7,6 @@ pub(super) use measurable::{PlannedRun, unmeasurable};
 use serde::Serialize;
 
 use super::declare::{Field as _, Named, any_text, by, choice, flat, number, skipped, text};
-use super::key_error::KeyError;
 use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
@@ -227,9 +226,5 @@ fn wrong_unit(name: &str, unit: &str) -> String {
 
 /// An error of the value `found` of a key of expectation number `index`.
 fn error(index: usize, key: &str, origin: &Origin, found: String, reason: String) -> super::ScenarioError {
-    super::ScenarioError::Key {
-        origin: origin.clone(),
-        key: format!("expect.{index}.{key}"),
-        error: Box::new(KeyError::Rejected { found, reason }),
-    }
+    super::ScenarioError::rejected(origin, format!("expect.{index}.{key}"), found, reason)
 }

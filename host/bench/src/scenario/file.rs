@@ -3,7 +3,7 @@
 //! Only a regular file is read: a pipe or a terminal would make the program wait for a writer that may not exist.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
@@ -14,8 +14,8 @@ const LARGEST: u64 = 1 << 20;
 
 /// Reads a file in UTF-8. `kind` is what it is in messages, such as `scenario`.
 pub(super) fn read(path: &Path, kind: &str) -> Result<String, ScenarioError> {
-    let cannot_read = |source| ScenarioError::Read { path: path.to_owned(), source };
     let unusable = |reason: String| ScenarioError::Unusable { path: path.to_owned(), reason };
+    let cannot_read = |error: io::Error| unusable(format!("cannot be read: {error}"));
     let file_type = std::fs::metadata(path).map_err(cannot_read)?.file_type();
     let other = match () {
         () if file_type.is_file() => None,

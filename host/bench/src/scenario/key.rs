@@ -114,9 +114,7 @@ impl KeyKind {
         let found = value.to_string();
         let comma = value.text().filter(|_| self.is_number()).and_then(decimal_point);
         Some(match (self, comma) {
-            (_, Some(written)) => {
-                KeyError::Rejected { found, reason: format!("has a decimal comma; write {written}") }
-            }
+            (_, Some(written)) => KeyError::rejected(found, format!("has a decimal comma; write {written}")),
             _ if is_allowed.is_none() => {
                 KeyError::WrongType { found, kind: value.kind(), allowed: self.allowed(unit) }
             }
@@ -185,13 +183,6 @@ pub struct Selector {
 }
 
 impl Keys {
-    /// The keys that `declare` adds.
-    pub fn of(declare: impl FnOnce(&mut Self)) -> Self {
-        let mut keys = Self::default();
-        declare(&mut keys);
-        keys
-    }
-
     /// Whether a scenario must have this section: one of its keys is required.
     #[must_use]
     pub fn is_required(&self) -> bool {

@@ -1,5 +1,7 @@
 //! What can be wrong with one key.
 
+use std::fmt;
+
 use lashloop_plant::reference::TableError;
 
 /// What is wrong with one key, as the end of a sentence that starts with the key.
@@ -82,4 +84,11 @@ pub enum KeyError {
     /// A reference table that can't be used.
     #[error("{0}")]
     Table(#[from] TableError),
+}
+
+impl KeyError {
+    /// A value that contradicts others. `reason` continues the sentence after `found`.
+    pub(super) fn rejected(found: impl fmt::Display, reason: impl Into<String>) -> Self {
+        Self::Rejected { found: found.to_string(), reason: reason.into() }
+    }
 }

@@ -202,8 +202,7 @@ impl Scenario {
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file: name.into(), line: 1, column: 1 };
         let with = ReadWith { name, plants, tables: Tables { directory, given } };
-        let declare = |keys: &mut Keys| Self::declare(keys, with);
-        let document = reader::read_document(&tree, start, &declare, |root| {
+        let document = reader::read_document(&tree, start, |root| {
             let scenario = Self::read(root, with);
             scenario.check(root, plants);
             scenario
@@ -281,7 +280,7 @@ impl Scenario {
     #[must_use]
     pub fn keys_with(plants: &Plants) -> Keys {
         let tables = Tables { directory: Path::new(""), given: &GivenTables::new() };
-        Keys::of(|keys| Self::declare(keys, ReadWith { name: "", plants, tables }))
+        Section::keys_of(|root| Self::read(root, ReadWith { name: "", plants, tables }))
     }
 
     /// The scenario as a file with every default written out. It reads back as the same scenario, except that the path of a

@@ -11,7 +11,7 @@ use lashloop_plant::{Plant, PlantError, PlantModel, PlantValue, PlantValues, Pla
 use lashloop_plant::{TORQUE_DELAY_US, smooth};
 use serde::{Serialize, Serializer};
 
-use super::declare::{Field, Settings, Single, declare, name_of, number, plain, section, section_of};
+use super::declare::{Field, Settings, name_of, number, plain, section, section_of};
 use super::environment::EnvironmentSettings;
 use super::key::{Choice, Keys, Selector};
 use super::plant_keys;
@@ -93,14 +93,6 @@ const SYMBOLS: &[(&str, &str)] = &[
 ];
 
 settings! {
-    /// What every model has.
-    struct Common {
-        /// Positions and velocities at time 0.
-        initial: Start = section(plain),
-    }
-}
-
-settings! {
     /// The default is the paper's start at rest.
     impl Start {
         /// Position of the load.
@@ -116,41 +108,38 @@ settings! {
 
 /// `[plant]` with these models to choose from.
 pub(super) fn field<'a>(plants: &'a Plants, folder: &'a Path) -> impl Field<Value = PlantSettings> + 'a {
-    section_of(|keys| declare_keys(plants, keys), |plant| read(plant, plants, folder))
+    section_of(|plant| read(plant, plants, folder))
 }
 
-fn models(plants: &Plants) -> Single<String> {
-    name_of(plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect())
-}
-
-fn declare_keys(plants: &Plants, keys: &mut Keys) {
-    keys.symbols = SYMBOLS;
-    declare(&models(plants), "model", "Model of the plant.", keys);
-    Common::declare(keys);
-    let variant = |model: &Arc<PlantModel>| {
-        let keys = Keys::of(|keys| {
-            plant_keys::declare(model.keys(), keys);
-            if model.changes().environment {
-                EnvironmentSettings::declare(keys);
-            }
-        });
-        (model.name(), keys)
-    };
-    let variants = plants.iter().map(variant).collect();
-    keys.selectors.push(Selector { key: "model", variants, names_owner: true });
+fn keys_of(model: &PlantModel) -> Keys {
+    Section::keys_of(|plant| {
+        plant_keys::describe(plant, model.keys());
+        if model.changes().environment {
+            EnvironmentSettings::read(plant);
+        }
+    })
 }
 
 fn read(plant: &mut Section<'_>, plants: &Plants, folder: &Path) -> PlantSettings {
-    let chosen = models(plants).find("model", plant);
+    let models = plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() });
+    let chosen = name_of(models.collect()).find("model", "Model of the plant.", plant);
     let chosen = chosen.and_then(|name| plants.iter().find(|model| model.name() == name));
     let model = chosen.cloned().unwrap_or_else(|| {
         // The known keys depend on a choice that is faulty itself. Most plants have those of the smooth one.
         plant.accept_the_rest();
         Arc::new(smooth::model())
     });
+    plant.describe(|keys| {
+        keys.symbols = SYMBOLS;
+        let variants = plants.iter().map(|model| (model.name(), keys_of(model))).collect();
+        keys.selectors.push(Selector { key: "model", variants, names_owner: true });
+    });
+    // The description has them as keys of each model.
+    let described = plant.keys.take();
     let values = plant_keys::read(plant, model.keys());
     let has_environment = chosen.is_some_and(|model| model.changes().environment);
     let environment = has_environment.then(|| EnvironmentSettings::read(plant));
-    let initial = Common::read(plant).initial;
+    plant.keys = described;
+    let initial = section(plain).read("initial", "Positions and velocities at time 0.", plant);
     PlantSettings { model, values, environment, initial, folder: folder.to_owned() }
 }

@@ -2,26 +2,25 @@
 
 use lashloop_plant::{Key, KeyKind, PlantValue, PlantValues};
 
-use super::declare::{Field, any_text, integer, name_of, number, section_of, texts};
-use super::key::{Choice, Further, Keys, Selector};
+use super::declare::{Field as _, any_text, integer, name_of, number, texts};
+use super::key::{Choice, Further, Selector};
 use super::reader::Section;
 use super::spelling::with_unit;
 use super::tree::{Node, Value};
 
-/// Adds the keys of a model.
-pub(super) fn declare(model: &[Key], keys: &mut Keys) {
-    let declare =
-        |key: &Key, keys: &mut Keys| with_field(key, |field| field.declare(key.name, key.meaning, keys));
+/// Adds the keys of a model to a section that is being described.
+pub(super) fn describe(plant: &mut Section<'_>, model: &[Key]) {
     for key in model.iter().filter(|key| key.only_with.is_none()) {
-        declare(key, keys);
+        read_key(plant, key);
         let KeyKind::Choice(names) = key.kind else { continue };
         let added = |name| model.iter().filter(move |other| other.only_with == Some((key.name, name)));
         if names.iter().any(|name| added(*name).next().is_some()) {
-            let variant = |name: &&'static str| {
-                (*name, Keys::of(|keys| added(*name).for_each(|other| declare(other, keys))))
-            };
+            let read = |plant: &mut Section<'_>, name| added(name).for_each(|key| drop(read_key(plant, key)));
+            let variant = |name: &&'static str| (*name, Section::keys_of(|plant| read(plant, *name)));
             let variants = names.iter().map(variant).collect();
-            keys.selectors.push(Selector { key: key.name, variants, names_owner: true });
+            plant.describe(|keys| {
+                keys.selectors.push(Selector { key: key.name, variants, names_owner: true });
+            });
         }
     }
 }
@@ -32,7 +31,7 @@ pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
     for key in keys {
         let is_other = |(choice, owner)| values.text(choice).is_ok_and(|chosen| chosen != owner);
         if !key.only_with.is_some_and(is_other) {
-            values.insert(key.name, with_field(key, |field| field.read(key.name, plant)));
+            values.insert(key.name, read_key(plant, key));
         }
     }
     for key in keys {
@@ -43,33 +42,35 @@ pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
     values
 }
 
-/// Calls `use_it` with the key as a field.
-fn with_field<T>(key: &Key, use_it: impl FnOnce(&dyn Field<Value = PlantValue>) -> T) -> T {
+fn read_key(plant: &mut Section<'_>, key: &Key) -> PlantValue {
+    let (name, doc) = (key.name, key.meaning);
     match &key.kind {
         KeyKind::Number { default, range } => {
             let number = number(range.clone()).in_unit(key.unit).with_default(*default);
-            use_it(&number.map(|number, _| PlantValue::Number(number)))
+            PlantValue::Number(number.read(name, doc, plant))
         }
         KeyKind::Integer { default, range } => {
             let number = integer(range.clone()).in_unit(key.unit).with_default(*default);
-            use_it(&number.map(|number, _| PlantValue::Integer(number.into())))
+            PlantValue::Integer(number.read(name, doc, plant).into())
         }
         KeyKind::Choice(names) => {
             let choices = names.iter().map(|name| Choice { name, doc: "" }).collect();
             let default = names.first().map(|name| (*name).to_owned());
-            use_it(&name_of(choices).with_default(default).map(|name, _| PlantValue::Text(name)))
+            PlantValue::Text(name_of(choices).with_default(default).read(name, doc, plant))
         }
-        KeyKind::Text => use_it(&any_text().map(|text, _| PlantValue::Text(text.unwrap_or_default()))),
-        KeyKind::Texts => use_it(&texts("a list of texts in quotes, at least one").map(|texts, plant| {
+        KeyKind::Text => PlantValue::Text(any_text().read(name, doc, plant).unwrap_or_default()),
+        KeyKind::Texts => {
+            let texts = texts("a list of texts in quotes, at least one").read(name, doc, plant);
             if texts.is_empty() {
-                plant.reject(key.name, "is empty; it must have at least one text");
+                plant.reject(name, "is empty; it must have at least one text");
             }
             PlantValue::List(texts.into_iter().map(PlantValue::Text).collect())
-        })),
-        // It is passed on as it is.
-        KeyKind::Table => {
-            use_it(&section_of(|keys| keys.further = Further::Anything, |table| free(table.all())))
         }
+        // It is passed on as it is.
+        KeyKind::Table => plant.section(name, doc, &|table: &mut Section<'_>| {
+            table.describe(|keys| keys.further = Further::Anything);
+            free(table.all())
+        }),
     }
 }
 

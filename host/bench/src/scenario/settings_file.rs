@@ -5,7 +5,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::error::ScenarioErrors;
-use super::key::Keys;
 use super::origin::Origin;
 use super::reader::{Section, read_document};
 use super::{file, tree};
@@ -18,18 +17,17 @@ pub fn read_text(path: &Path, kind: &str) -> Result<String, ScenarioErrors> {
     Ok(file::read(path, kind)?)
 }
 
-/// Reads a text with the keys that `declare` declares; `name` is the file's name in errors.
+/// Reads a text with the keys that `read` looks up; `name` is the file's name in errors.
 ///
 /// # Errors
 /// The text isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
 pub fn from_str<T>(
     name: &str,
     text: &str,
-    declare: &dyn Fn(&mut Keys),
-    read: impl FnOnce(&mut Section<'_>) -> T,
+    read: impl Fn(&mut Section<'_>) -> T,
 ) -> Result<T, ScenarioErrors> {
     let file: Arc<str> = name.into();
     let tree = tree::parse_file(&file, file::without_mark(text))?;
-    let document = read_document(&tree, Origin::File { file, line: 1, column: 1 }, declare, read);
+    let document = read_document(&tree, Origin::File { file, line: 1, column: 1 }, read);
     if document.errors.is_empty() { Ok(document.result) } else { Err(document.errors.into()) }
 }

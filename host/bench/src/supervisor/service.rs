@@ -8,8 +8,9 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::{io, thread};
 
-use tokio::signal::unix::{Signal, SignalKind, signal};
-use tokio::sync::mpsc as channel;
+use tokio::runtime::Handle;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::oneshot;
 
 use super::process::{Author, Process, Program};
 
@@ -36,8 +37,9 @@ impl Signals {
 pub struct Supervisor {
     /// The `lashloop` program; empty if there is none to tie children to.
     pub bench: PathBuf,
+    runtime: Handle,
     /// Before the thread, which ends without it.
-    orders: channel::UnboundedSender<Order>,
+    _end: oneshot::Sender<()>,
     signals: Arc<Signals>,
     _thread: Joined,
 }
@@ -64,13 +66,6 @@ impl Drop for SignalGuard<'_> {
     }
 }
 
-struct Order {
-    command: Command,
-    name: &'static str,
-    author: Author,
-    reply: mpsc::Sender<io::Result<Process>>,
-}
-
 impl Supervisor {
     /// Starts the thread. `bench` is the `lashloop` program, whose hidden command `tied` runs a program that the kernel ends
     /// with the bench: a killed bench leaves no emulator behind.
@@ -93,18 +88,24 @@ impl Supervisor {
     fn start_thread(bench: PathBuf, handles_signals: bool) -> io::Result<Self> {
         let signals = Arc::new(Signals::default());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let (orders, inbox) = channel::unbounded_channel();
-        let sources = if handles_signals {
-            let _inside = runtime.enter();
-            vec![signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?]
-        } else {
-            Vec::new()
+        let inside = runtime.enter();
+        let kinds = [SignalKind::interrupt(), SignalKind::terminate()];
+        for kind in kinds.into_iter().filter(|_| handles_signals) {
+            let (mut source, shared) = (signal(kind)?, Arc::clone(&signals));
+            tokio::spawn(async move {
+                while source.recv().await.is_some() {
+                    shared.arrived();
+                }
+            });
+        }
+        drop(inside);
+        let (handle, (end, ended)) = (runtime.handle().clone(), oneshot::channel());
+        let work = move || {
+            let _ = runtime.block_on(ended);
         };
-        let shared = Arc::clone(&signals);
-        let work = move || runtime.block_on(supervise(inbox, shared, sources));
         let thread = thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
         tracing::debug!(thread = "supervisor", "started");
-        Ok(Self { bench, orders, signals, _thread: Joined(Some(thread)) })
+        Ok(Self { bench, runtime: handle, _end: end, signals, _thread: Joined(Some(thread)) })
     }
 
     /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a
@@ -208,26 +209,9 @@ impl Supervisor {
 
     fn order(&self, command: Command, name: &'static str, author: Author) -> io::Result<Process> {
         let (reply, answer) = mpsc::channel();
-        self.orders.send(Order { command, name, author, reply }).map_err(io::Error::other)?;
+        // On the supervisor's thread: a child ends with the thread that has started it.
+        self.runtime.spawn(async move { reply.send(Process::start(command, name, author)) });
         answer.recv().map_err(io::Error::other)?
-    }
-}
-
-async fn supervise(
-    mut orders: channel::UnboundedReceiver<Order>,
-    shared: Arc<Signals>,
-    sources: Vec<Signal>,
-) {
-    for mut source in sources {
-        let shared = Arc::clone(&shared);
-        tokio::spawn(async move {
-            while source.recv().await.is_some() {
-                shared.arrived();
-            }
-        });
-    }
-    while let Some(Order { command, name, author, reply }) = orders.recv().await {
-        let _ = reply.send(Process::start(command, name, author));
     }
 }
 
@@ -237,7 +221,7 @@ mod tests {
 
     #[test]
     fn the_thread_of_a_dropped_supervisor_has_ended() {
-        let supervisor = Supervisor::without_signals(None).expect("a thread");
+        let supervisor = Supervisor::start(PathBuf::new()).expect("a thread");
         let held_by_thread = Arc::clone(&supervisor.signals);
         drop(supervisor);
         assert_eq!(Arc::strong_count(&held_by_thread), 1);

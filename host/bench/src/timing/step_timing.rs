@@ -64,3 +64,10 @@ pub struct StepTiming {
     /// drive too, and there is no round trip.
     pub tick_compute: Option<Duration>,
 }
+
+impl StepTiming {
+    /// The timing of a step without times.
+    pub(crate) const fn of(outcome: StepOutcome) -> Self {
+        Self { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None }
+    }
+}

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::cell::Cell;
 use crate::facts::{CAMPAIGN, Facts};
-use crate::map::{Grid, Measure, PlaceError, Placed, Side, limit_of};
+use crate::limit::Limits;
+use crate::map::{Grid, Measure, PlaceError, Placed, Side};
 use crate::merge::RESULTS;
 use crate::row::Columns;
 use crate::settings::Limit;
@@ -122,7 +123,8 @@ impl LineMap {
         };
         let variants = campaign.variants.iter().enumerate().map(|(variant, it)| {
             let scenario = campaign.scenario(&campaign.first_case(part, variant))?;
-            let limit = limit_of(campaign, part, variant, measure)?.ok_or_else(|| MapError::NoLimit {
+            let limits = Limits::new(campaign, part, variant)?;
+            let limit = limits.of_measure(measure).ok_or_else(|| MapError::NoLimit {
                 map: name.clone(),
                 metric: metric.clone(),
                 variant: it.name.clone(),

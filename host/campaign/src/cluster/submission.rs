@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::facts::Facts;
 use crate::shard_file::{complete_path, facts_path, shards_in};
 use crate::{Campaign, Selection, Source};
-use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::resume;
+use lashloop_record::json_file::write_json;
 use serde::{Deserialize, Serialize};
 
 use super::error::ClusterError;
@@ -141,11 +141,7 @@ impl Submission {
     /// # Errors
     /// The file can't be written.
     pub fn write(&self, out: &Path) -> Result<(), ClusterError> {
-        write_whole(&out.join(FOLDER).join(FILE), ".submission-", |file| {
-            serde_json::to_writer_pretty(&mut *file, self)?;
-            file.write_all(b"\n")
-        })?;
-        Ok(())
+        Ok(write_json(&out.join(FOLDER).join(FILE), ".submission-", self)?)
     }
 
     /// The jobs of this folder among those of the queue: the recorded ones, and all of its scripts. A command that was killed

@@ -8,11 +8,11 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_campaign::engine::ShardRun;
 use lashloop_campaign::evidence;
 use lashloop_campaign::merge::{RESULTS, merge};
-use lashloop_campaign::report::Report;
 use lashloop_campaign::run::run_case;
 use lashloop_campaign::shard::Shard;
 use lashloop_campaign::shard_file::Start;
 use lashloop_campaign::table::Table;
+use lashloop_campaign::view::View;
 use lashloop_firmware::Laws;
 use tempfile::tempdir;
 
@@ -47,7 +47,7 @@ fn combination_that_permits_no_run_is_an_invalid_row_with_its_reason() {
     merge(folder.path()).expect("a table");
     let path = folder.path().join(RESULTS);
     let table = Table::new(&campaign, &path);
-    let report = Report::new(&table).expect("a report");
+    let report = View::new(&table).expect("a report").report;
     assert_eq!((report.groups[0].invalid, report.no_run.cases), (1, 1));
     let text = report.to_string();
     assert!(text.contains("1 cases are INVALID without a run; the first:\ncase 3: "), "{text}");

@@ -8,11 +8,11 @@ use lashloop_campaign::CampaignError;
 use lashloop_campaign::facts::Facts;
 use lashloop_campaign::limit::Limits;
 use lashloop_campaign::merge::{MergeLock, RESULTS, merge};
-use lashloop_campaign::report::Report;
 use lashloop_campaign::settings::Limit;
 use lashloop_campaign::shard::Shard;
 use lashloop_campaign::shard_file::{Start, complete_path, facts_path};
 use lashloop_campaign::table::Table;
+use lashloop_campaign::view::View;
 use tempfile::tempdir;
 
 use crate::support::{PARTS, TWO_VARIANTS, campaign, facts, read, run, run_all};
@@ -44,7 +44,7 @@ fn expectations_are_judged_over_the_runs_they_name() {
     run_all(&campaign, folder.path(), 2);
     merge(folder.path()).expect("a table");
     let path = folder.path().join(RESULTS);
-    let report = Report::new(&Table::new(&campaign, &path)).expect("a report");
+    let report = View::new(&Table::new(&campaign, &path)).expect("a report").report;
     assert_eq!(
         report.groups.iter().map(|group| (group.runs, group.fail)).collect::<Vec<_>>(),
         [(11, 2), (11, 2), (6, 1), (6, 0)]

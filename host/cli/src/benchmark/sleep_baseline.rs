@@ -46,22 +46,13 @@ pub(super) fn paced(
                 receive: Duration::ZERO,
             });
             let lateness = Duration::from_nanos(late_ns.unsigned_abs());
-            timings.push(&StepTiming {
-                lateness,
-                outcome: StepOutcome::Answered,
-                round_trip: trip,
-                tick_compute: None,
-            });
+            let mut push = |outcome, round_trip| {
+                timings.push(&StepTiming { lateness, outcome, round_trip, tick_compute: None });
+            };
+            push(StepOutcome::Answered, trip);
             // Missed periods are omitted, as in the loop.
             let missed = late_ns / PERIOD_NS;
-            for _ in 0..missed {
-                timings.push(&StepTiming {
-                    lateness,
-                    outcome: StepOutcome::Missed,
-                    round_trip: None,
-                    tick_compute: None,
-                });
-            }
+            (0..missed).for_each(|_| push(StepOutcome::Missed, None));
             step += 1 + missed;
         }
         Ok(timings.report(refused))

@@ -1,15 +1,15 @@
 //! The loop as it is watched: by a record on the disk, and by a live page whose reader takes nothing.
 
-use std::io;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::io::{self, Write as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
-use tokio::net::{TcpSocket, TcpStream};
-use tokio::runtime::Runtime;
+use rustix::net::sockopt::set_socket_recv_buffer_size;
+use rustix::net::{AddressFamily, SocketFlags, SocketType, connect, socket_with};
 
 use crate::error::{CliError, system};
 use crate::monitor::Monitor;
@@ -34,7 +34,7 @@ pub(super) fn live(
     clock: Clock,
 ) -> Result<Outcome, CliError> {
     let server = Live::start(SocketAddr::from((Ipv4Addr::LOCALHOST, 0)), None)?;
-    let reader = StalledReader::connect(server.address()).map_err(system("connect to the live page"))?;
+    let reader = stalled_reader(server.address()).map_err(system("connect to the live page"))?;
     let mut monitor = Monitor::new(scenario, None, Some(server.publisher()));
     let outcome = run::run(scenario, device, clock, &mut monitor)?;
     // The server would wait for the reader to take the end.
@@ -42,31 +42,18 @@ pub(super) fn live(
     Ok(outcome)
 }
 
-/// A reader of the live page that never reads, with a small buffer: what is sent to it gets stuck at once.
-struct StalledReader {
-    _stream: TcpStream,
-    /// Owns the stream's registration.
-    _runtime: Runtime,
-}
-
-const RECEIVE_BUFFER_BYTES: u32 = 2048;
+const RECEIVE_BUFFER_BYTES: usize = 2048;
 /// The key is any 16 bytes in base64.
 const REQUEST: &[u8] =
     b"GET /feed HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
     Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n";
 
-impl StalledReader {
-    fn connect(address: SocketAddr) -> io::Result<Self> {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let stream = runtime.block_on(async {
-            let socket = TcpSocket::new_v4()?;
-            socket.set_recv_buffer_size(RECEIVE_BUFFER_BYTES)?;
-            let stream = socket.connect(address).await?;
-            stream.writable().await?;
-            // An empty buffer takes all of it.
-            stream.try_write(REQUEST)?;
-            Ok::<_, io::Error>(stream)
-        })?;
-        Ok(Self { _stream: stream, _runtime: runtime })
-    }
+/// A reader of the live page that never reads, with a small buffer: what is sent to it gets stuck at once.
+fn stalled_reader(address: SocketAddr) -> io::Result<TcpStream> {
+    let socket = socket_with(AddressFamily::INET, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
+    set_socket_recv_buffer_size(&socket, RECEIVE_BUFFER_BYTES)?;
+    connect(&socket, &address)?;
+    let mut stream = TcpStream::from(socket);
+    stream.write_all(REQUEST)?;
+    Ok(stream)
 }

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_campaign::Selection;
 use lashloop_campaign::merge::RESULTS;
@@ -9,13 +10,10 @@ use lashloop_campaign::shard::Shard;
 use lashloop_campaign::table::Table;
 use lashloop_firmware::Laws;
 
-use crate::campaign_run::{
-    Concluded, Execution, Made, ResultsFolder, RunsOptions, evidence_interrupted, interruption, jobs, start,
-};
+use crate::campaign_run::{Concluded, RunsOptions, evidence_interrupted, jobs};
 use crate::error::CliError;
 use crate::options::plants;
 use crate::output::outln;
-use crate::supervision::start_supervisor;
 use battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
 use battery::text::Tables;
 use lashloop::Bench;
@@ -63,24 +61,16 @@ impl Arguments {
             points: Some(self.plants),
         };
         let campaign = campaign(selection, &plants(bench))?;
-        let folder = ResultsFolder::new(self.runs.out.as_deref())?;
-        let folder = folder.path();
-        let (device, supervisor) = (InProcessDrive::<Laws>::default().into(), start_supervisor()?);
-        let is_kept = self.runs.out.is_some();
-        let execution =
-            Execution { campaign: &campaign, device: &device, folder, supervisor: &supervisor, is_kept };
-        let Made { done, .. } =
-            execution.run(Shard::WHOLE, jobs(self.runs.jobs, &device)?, start(self.runs.resume))?;
-        if let Some(text) = interruption(done, campaign.plan.cases(), self.runs.out.as_deref()) {
-            outln!("{text}");
-            return Ok(Exit::Invalid);
-        }
-        let Some(Concluded { report, .. }) = execution.conclude()? else {
-            outln!("{}", evidence_interrupted(folder));
-            return Ok(Exit::Invalid);
-        };
-        let verdict = report.verdict;
-        outln!("{}", Tables::new(report, &Table::new(&campaign, &folder.join(RESULTS)))?);
-        Ok(verdict.into())
+        let device = InProcessDrive::<Laws>::default().into();
+        let jobs = jobs(self.runs.jobs, &device, ClockName::Lockstep)?;
+        self.runs.run(&campaign, &device, jobs, Shard::WHOLE, false, |execution| {
+            let Some(Concluded { report, .. }) = execution.conclude()? else {
+                outln!("{}", evidence_interrupted(execution.folder));
+                return Ok(Exit::Invalid);
+            };
+            let verdict = report.verdict;
+            outln!("{}", Tables::new(report, &Table::new(&campaign, &execution.folder.join(RESULTS)))?);
+            Ok(verdict.into())
+        })
     }
 }

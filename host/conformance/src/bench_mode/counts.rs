@@ -1,17 +1,7 @@
 //! The counts of the drive's encoders: where they begin, and their directions.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::ParameterValue;
-use lashloop_protocol::message::{BenchSample, Stop};
-use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
-
-use super::super::assertion::{Failure, RuleResult, expect, skip};
-use super::super::check::Check;
-use super::super::client::Client;
-use super::super::moment::Moment;
-use super::super::range::nearest_real;
 use super::run::{Run, allowed};
+use crate::prelude::checks::*;
 
 /// Steps under torque, so that the mechanics leave their start, and steps without it.
 const MOVING: usize = 150;
@@ -32,8 +22,8 @@ pub(super) fn checks() -> Vec<Check> {
 /// Counts of motor and load in the first and the last step of a run without torque, and how far they drift meanwhile.
 fn coast(client: &mut Client, reversed: Option<&'static str>) -> Result<[[i32; 2]; 3], Failure> {
     let least_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, 0.0)?;
-    let mut settings = vec![(TORQUE_LIMIT_NM, ParameterValue::F32(least_nm))];
-    settings.extend(reversed.map(|name| (name, ParameterValue::U32(1))));
+    let mut settings = vec![(TORQUE_LIMIT_NM, F32(least_nm))];
+    settings.extend(reversed.map(|name| (name, U32(1))));
     let reports = Run::start(client, &settings)?.reports(COASTING, 0.0)?;
     client.reset()?;
     let of = |place: usize| [reports[place].motor_counts.get(), reports[place].load_counts.get()];

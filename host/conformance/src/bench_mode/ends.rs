@@ -1,28 +1,10 @@
 //! What keeps a run alive, what ends it, and the run after it.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{
-    ClearFault, EmergencyStop, EncoderSample, FaultReport, Reference, Reset, Stop,
-};
-use lashloop_protocol::parameter_names::{PERIOD_US, SAMPLE_SOURCE, WATCHDOG_US};
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
-
-use super::super::answers::{hello, other, outcome, sample};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::super::check::Check;
-use super::super::client::Client;
 use super::super::growth::has_names;
-use super::super::moment::Moment;
 use super::super::pins::{self, PINS};
-use super::super::range::nearest_whole;
-use super::super::reactions::{accepted, first_sample, no_torque};
-use super::super::safety::{FEEDS, fault_report, in_time, nearly_in_time};
-use super::super::words::Words;
-use super::run::{Run, allowed, in_turn, is_report, report};
-
-use State::{Armed, Boot, Faulted, Idle, Running};
+use super::super::safety::{FEEDS, in_time, nearly_in_time};
+use super::run::{Run, allowed, in_turn};
+use crate::prelude::checks::*;
 
 /// Steps that a drive makes while a request is on its way.
 const LATEST_STEPS: u16 = 500;
@@ -59,22 +41,18 @@ fn refused_sample(client: &mut Client) -> RuleResult {
     for (sequence, reference_rad) in [(0, f32::NAN), (reports.len() as u16, 0.0), (0x7123, 0.0)] {
         let sample = EncoderSample { sequence, motor_counts: far, load_counts: far, reference_rad };
         let answers = run.client.request(sample)?;
-        reports.extend(answers.iter().filter_map(report));
-        let answers: Vec<_> = answers.into_iter().filter(|it| !is_report(it)).collect();
-        equal("to an EncoderSample in bench mode", vec!["CommandResult"], names(&answers))?;
+        reports.extend(answers.iter().filter_map(of::<BenchSample>));
+        let answers = answers.into_iter().filter(|it| !is::<BenchSample>(it)).collect();
+        let answers = of_kinds("to an EncoderSample in bench mode", &["CommandResult"], answers)?;
         let got = (outcome::<EncoderSample>(&answers)?, run.client.state);
-        equal("outcome and state", (Outcome::WrongState, Running), got)?;
+        equal("outcome and state", (WrongState, Running), got)?;
         reports.extend(run.reports(3, 0.5)?);
     }
     // No step more, and none less.
     let timing = run.timing();
     in_turn(&reports, timing.every)?;
     let last = reports.last().map_or(0, |it| it.sequence);
-    let of_emergency = |run: &mut Run<'_>| {
-        let answers = run.client.request(EmergencyStop {})?;
-        answers.iter().find_map(fault_report).ok_or_else(|| broken("a FaultReport", answers.words()))
-    };
-    let it = of_emergency(&mut run)?;
+    let it = fault(&run.client.request(EmergencyStop {})?)?;
     let is_later = it.sequence.wrapping_sub(last) <= LATEST_STEPS;
     expect(is_later, format!("a step soon after {last}"), it)?;
     // Of a run without a step, after one with some.
@@ -82,7 +60,7 @@ fn refused_sample(client: &mut Client) -> RuleResult {
     let mut run = Run::start_at(client, timing, &[])?;
     run.reports(3, 0.5)?;
     run.client.request(Stop {})?;
-    let it = of_emergency(&mut Run::again(run.client, timing)?)?;
+    let it = fault(&Run::again(run.client, timing)?.client.request(EmergencyStop {})?)?;
     equal("step of a fault before the first Reference", 0, it.sequence)
 }
 
@@ -93,12 +71,12 @@ fn feeds(client: &mut Client) -> RuleResult {
     let reference = HostMessage::from(Reference { number: 0, reference_rad: 0.0 }).frame();
     for (_, what, feed) in FEEDS {
         client.reset()?;
-        let mut run = Run::start(client, &[(WATCHDOG_US, ParameterValue::U32(watchdog_us))])?;
+        let mut run = Run::start(client, &[(WATCHDOG_US, U32(watchdog_us))])?;
         let (mut messages, mut last) = (run.refer(0.5)?, 0);
         let begun = Moment::latest(run.client);
         for count in 0.. {
-            last = messages.iter().filter_map(report).next_back().map_or(last, |it| it.sequence);
-            if let Some(it) = messages.iter().find_map(fault_report) {
+            last = messages.iter().filter_map(of::<BenchSample>).next_back().map_or(last, |it| it.sequence);
+            if let Some(it) = messages.iter().find_map(of::<FaultReport>) {
                 let step = (run.timing().every == 1).then_some(last);
                 judge_trip(Some(it), watchdog_us, step)?;
                 break;
@@ -120,7 +98,7 @@ fn fault_within(run: &mut Run<'_>, time: Duration, keep_alive: bool) -> Result<O
         // Its number and value may be those of the last one.
         let mut messages = if keep_alive { run.refer_again(0.5)? } else { run.client.request_bytes(&[])? };
         messages.extend(run.turn()?);
-        let found = messages.iter().find_map(fault_report);
+        let found = messages.iter().find_map(of::<FaultReport>);
         if found.is_some() {
             return Ok(found);
         }
@@ -132,14 +110,14 @@ fn watchdog(client: &mut Client) -> RuleResult {
     // Long enough that one that takes twice its time is too late.
     let watchdog_us = nearest_whole(client.parameter(WATCHDOG_US)?, 300_000)?;
     let watchdog = Duration::from_micros(watchdog_us.into());
-    let settings = [(WATCHDOG_US, ParameterValue::U32(watchdog_us))];
+    let settings = [(WATCHDOG_US, U32(watchdog_us))];
     // From the start on, before any reference, and in time, not in periods.
     let period_us = nearest_whole(client.parameter(PERIOD_US)?, client.identity.period_us / 2)?;
-    let quicker = [settings[0], (PERIOD_US, ParameterValue::U32(period_us))];
+    let quicker = [settings[0], (PERIOD_US, U32(period_us))];
     let mut run = Run::start(client, &quicker)?;
     // It doesn't run before.
     run.client.request(Stop {})?;
-    if pins::arm(run.client)?.outcome == Outcome::Accepted {
+    if pins::arm(run.client)?.outcome == Accepted {
         run.listen(watchdog + watchdog / 4)?;
         equal("state after a wait in Armed", Armed, run.client.state)?;
         run.client.start()?;
@@ -157,11 +135,10 @@ fn watchdog(client: &mut Client) -> RuleResult {
     equal("with references in time, faults:", None, early.map(|it| it.code))?;
     let trip = fault_within(&mut run, PATIENCE, false)?;
     judge_trip(trip, watchdog_us, None)?;
-    let late: HostMessage = Reference { number: 9, reference_rad: 0.0 }.into();
-    let answers = run.client.request(late)?;
-    equal("to a Reference after the deadline", vec!["CommandResult"], names(&answers))?;
+    let answers = run.client.request(Reference { number: 9, reference_rad: 0.0 })?;
+    let answers = of_kinds("to a Reference after the deadline", &["CommandResult"], answers)?;
     let got = (outcome::<Reference>(&answers)?, run.client.state);
-    equal("outcome and state", (Outcome::WrongState, Faulted), got)?;
+    equal("outcome and state", (WrongState, Faulted), got)?;
     no_torque(client, 0, Faulted)
 }
 
@@ -207,22 +184,18 @@ fn ends(client: &mut Client) -> RuleResult {
         let last = run.reports(3, 0.5)?.last().copied();
         let every = run.timing().every;
         let answers = run.client.request(end)?;
-        if let Some(it) = answers.iter().find_map(fault_report) {
-            let last = answers.iter().filter_map(report).next_back().or(last);
+        if let Some(it) = answers.iter().find_map(of::<FaultReport>) {
+            let last = answers.iter().filter_map(of::<BenchSample>).next_back().or(last);
             let reported = last.filter(|_| every == 1).map_or(it.sequence, |last| last.sequence);
             expect(is_next(reported, it.sequence), format!("the last step, after {reported}"), it)?;
             equal("value and limit of an EmergencyStop", (0.0, 0.0), (it.value, it.limit))?;
         }
-        let after = answers.iter().skip_while(|it| is_report(it)).find(|it| is_report(it));
+        let after = answers.iter().skip_while(|it| is::<BenchSample>(it)).find(|it| is::<BenchSample>(it));
         equal(&format!("a report behind the answer to {}:", end.words()), None, after.copied())?;
         equal(&format!("state after {}", end.words()), state, run.client.state)?;
         let later = run.listen(run.pause())?;
         let what = format!("messages after the end of the run by {}:", end.words());
-        equal(
-            &what,
-            Vec::new(),
-            later.into_iter().filter(|it| !matches!(it, DriveMessage::Log(_))).collect(),
-        )?;
+        equal(&what, Vec::new(), later.into_iter().filter(|it| !is::<Log>(it)).collect())?;
         pins::refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, state)?;
         if state == Idle {
             no_torque(client, 1, Idle)?;
@@ -245,12 +218,12 @@ fn modes(client: &mut Client) -> RuleResult {
     for _ in 0..2 {
         in_turn(&run.reports(3, 0.5)?, timing.every)?;
         client.request(Stop {})?;
-        client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+        client.put(SAMPLE_SOURCE, U32(0))?;
         client.running(&[])?;
         first_sample(client)?;
-        accepted(client, sample(1), TorqueFlags::empty())?;
+        accepted(client, sample(1), NONE)?;
         pins::refuses_reference(client, Reference { number: 1, reference_rad: 0.0 }, Running)?;
-        let later = client.wait_for(pause, |message| is_report(message).then_some(*message))?;
+        let later = client.wait_for(pause, |message| is::<BenchSample>(message).then_some(*message))?;
         equal("BenchSample in HIL mode:", None, later)?;
         client.request(Stop {})?;
         client.put(SAMPLE_SOURCE, PINS)?;
@@ -258,10 +231,10 @@ fn modes(client: &mut Client) -> RuleResult {
         // A Reference that Armed refuses begins no step.
         let number = run.number;
         run.client.request(Stop {})?;
-        if pins::arm(run.client)?.outcome == Outcome::Accepted {
+        if pins::arm(run.client)?.outcome == Accepted {
             pins::refuses_reference(run.client, Reference { number, reference_rad: 0.5 }, Armed)?;
             run.client.start()?;
-            let early = run.listen(pause)?.into_iter().find(is_report);
+            let early = run.listen(pause)?.into_iter().find(is::<BenchSample>);
             equal("BenchSample before a Reference in Running:", None, early)?;
         }
     }

@@ -1,24 +1,11 @@
 //! Faults that need no hand at the hardware: what exceeds a limit, and a reference that is not finite.
 
 use std::f32::consts::TAU;
-use std::time::Duration;
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{Arm, BenchSample, EmergencyStop, FaultReport, Stop, Subscribe};
-use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
-
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
-use super::super::check::Check;
-use super::super::client::Client;
-use super::super::encoders::encoder::Encoder;
-use super::super::exchanges::result;
 use super::super::pins;
-use super::super::range::nearest_real;
-use super::super::reactions::{no_torque, still_reported};
 use super::super::telemetry::subscription::signals;
-use super::super::words::Words;
 use super::run::{Run, TWIST_LIMIT_RAD, Timing, allowed};
+use crate::prelude::checks::*;
 
 /// The ratio of the twist, if the drive has it as a parameter.
 const REDUCTION_RATIO: &str = "reduction_ratio";
@@ -35,26 +22,21 @@ const FAST: f32 = 12.0;
 const CLEARLY: f32 = 3.0;
 
 pub(super) fn checks() -> Vec<Check> {
-    vec![
-        allowed("R7.14 R18.1 R18.7", "a motor faster than its limit is a fault, with its step", |client| {
-            too_fast(client, Encoder::MOTOR)
-        }),
-        allowed("R7.14 R18.1 R18.7", "a load faster than its limit is a fault, with its step", |client| {
-            too_fast(client, Encoder::LOAD)
-        }),
-        allowed(
-            "R7.14 R18.4",
-            "a motor beyond a limit of half its speed is a fault, and Arm refuses afterwards",
-            |client| half_as_fast(client, Encoder::MOTOR),
-        ),
-        allowed(
-            "R7.14 R18.4",
-            "a load beyond a limit of half its speed is a fault, and Arm refuses afterwards",
-            |client| half_as_fast(client, Encoder::LOAD),
-        ),
+    let smallest = Encoder::BOTH.map(|encoder| {
+        let name = format!("a {} faster than its limit is a fault, with its step", encoder.name);
+        allowed("R7.14 R18.1 R18.7", name, move |client| too_fast(client, encoder))
+    });
+    let half = Encoder::BOTH.map(|encoder| {
+        let rule = "beyond a limit of half its speed is a fault, and Arm refuses afterwards";
+        allowed("R7.14 R18.4", format!("a {} {rule}", encoder.name), move |client| {
+            half_as_fast(client, encoder)
+        })
+    });
+    let others = [
         allowed("R18.7 R18.12", "a change of the twist beyond its limit is a fault, with its step", twisted),
         allowed("R7.13 R18.1 R18.7", "a reference that is not finite is a fault, with its step", not_finite),
-    ]
+    ];
+    smallest.into_iter().chain(half).chain(others).collect()
 }
 
 /// Steps at the smallest value of a limit, until it is exceeded.
@@ -78,7 +60,7 @@ fn too_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
     }
     // The fault must come if the encoder was that fast.
     client.reset()?;
-    let ParameterValue::F32(least_rad_s) = client.parameter(name)?.min else {
+    let F32(least_rad_s) = client.parameter(name)?.min else {
         return skip("the speed limit has another type");
     };
     if exceeds_unnoticed(client, encoder, least_rad_s)? {
@@ -90,7 +72,7 @@ fn too_fast(client: &mut Client, encoder: Encoder) -> RuleResult {
 /// Whether the encoder exceeds a limit by its reports, in a run at this limit that no fault ends.
 fn exceeds_unnoticed(client: &mut Client, encoder: Encoder, limit_rad_s: f32) -> Result<bool, Failure> {
     let timing = Timing::of_every(client, &[], 1)?;
-    let settings = [(encoder.speed_limit, ParameterValue::F32(limit_rad_s))];
+    let settings = [(encoder.speed_limit, F32(limit_rad_s))];
     let (reports, fault) = Run::start_at(client, timing, &settings)?.until_fault(1.0)?;
     let limit_counts = limit_rad_s / rad_s_per_count(client, encoder);
     Ok(fault.is_none() && most_counts(&reports, encoder) > limit_counts + CLEARLY)
@@ -129,9 +111,9 @@ fn half_of_a_run(client: &mut Client, encoder: Encoder, reference_rad: f32) -> R
         return skip("the mechanics at the pins move too little");
     }
     client.request(Stop {})?;
-    client.put(name, ParameterValue::F32(half))?;
+    client.put(name, F32(half))?;
     let it = pins::arm(client)?;
-    let wanted = (Outcome::EncoderImplausible, encoder.index as u32 + 2);
+    let wanted = (EncoderImplausible, encoder.index as u32 + 2);
     let what = format!("Arm with {name} {half} after {fastest} counts in a period: outcome and detail");
     equal(&what, wanted, (it.outcome, it.detail))?;
     // The duties come first, and in HIL mode the pins don't count.
@@ -139,14 +121,11 @@ fn half_of_a_run(client: &mut Client, encoder: Encoder, reference_rad: f32) -> R
     let [least, most] = [client.parameter("duty_offset")?.min, client.parameter("duty_min")?.default];
     if least != most {
         client.put("duty_offset", least)?;
-        equal("Arm with inconsistent duties too", Outcome::Inconsistent, pins::arm(client)?.outcome)?;
+        equal("Arm with inconsistent duties too", Inconsistent, pins::arm(client)?.outcome)?;
         client.put("duty_offset", offset)?;
     }
-    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
-    client.exchange(
-        "in HIL mode",
-        &[result(Arm { session: client.session }, Outcome::Accepted, State::Armed)],
-    )?;
+    client.put(SAMPLE_SOURCE, U32(0))?;
+    client.exchange("in HIL mode", &[result(Arm { session: client.session }, Accepted, Armed)])?;
     client.reset()?;
     expect(!exceeds_unnoticed(client, encoder, half)?, format!("a FaultReport above {half} rad/s"), "none")?;
     // What `Reset` forgets no longer counts, once the mechanics rest.
@@ -158,9 +137,9 @@ fn half_of_a_run(client: &mut Client, encoder: Encoder, reference_rad: f32) -> R
     client.reset()?;
     client.idle()?;
     pins::widest_duties(client)?;
-    client.put(name, ParameterValue::F32(half))?;
+    client.put(name, F32(half))?;
     let it = pins::arm(client)?;
-    expect(it.outcome != Outcome::EncoderImplausible, "Arm after Reset, with mechanics at rest", it)
+    expect(it.outcome != EncoderImplausible, "Arm after Reset, with mechanics at rest", it)
 }
 
 /// As the identity has it: the parameter may be of either type.
@@ -191,7 +170,7 @@ fn twisted_as_reported(client: &mut Client, reference_rad: f32) -> Result<bool, 
     let ratio = client.real(REDUCTION_RATIO).ok();
     let rad = [Encoder::MOTOR, Encoder::LOAD].map(|encoder| TAU / counts_per_rev(client, encoder));
     let timing = Timing::of_every(client, &[], 1)?;
-    let settings = [(TWIST_LIMIT_RAD, ParameterValue::F32(limit_rad))];
+    let settings = [(TWIST_LIMIT_RAD, F32(limit_rad))];
     let (reports, fault) = Run::start_at(client, timing, &settings)?.until_fault(reference_rad)?;
     let Some(first) = reports.first() else { return Ok(false) };
     let moved = |it: &BenchSample| {
@@ -243,10 +222,7 @@ fn not_finite(client: &mut Client) -> RuleResult {
         let timing = Timing::of_every(client, &[], SELDOM)?;
         if let Ok(signals) = signals(client) {
             client.idle()?;
-            client.exchange(
-                "in Idle",
-                &[result(Subscribe { signals, every: 1 }, Outcome::Accepted, State::Idle)],
-            )?;
+            client.exchange("in Idle", &[result(Subscribe { signals, every: 1 }, Accepted, Idle)])?;
         }
         let mut run = Run::start_at(client, timing, &[])?;
         run.reports(1, 0.5)?;
@@ -263,7 +239,7 @@ fn not_finite(client: &mut Client) -> RuleResult {
 /// Requires the value of a fault to exceed its limit, which is the smallest one of this parameter.
 fn exceeds(client: &Client, limit: &str, it: FaultReport) -> RuleResult {
     let least = client.parameter(limit)?.min;
-    equal(&format!("limit of the FaultReport, {limit},"), least, ParameterValue::F32(it.limit))?;
+    equal(&format!("limit of the FaultReport, {limit},"), least, F32(it.limit))?;
     is_above(it)
 }
 
@@ -277,14 +253,13 @@ fn ended_by(client: &mut Client, reports: &[BenchSample], it: FaultReport) -> Ru
         return Err(broken("a BenchSample of the step that caused the fault", it.words()));
     };
     let got = (last.sequence, last.torque_nm, last.status.state, last.status.flags);
-    let wanted = (it.sequence, 0.0, State::Faulted, TorqueFlags::empty());
+    let wanted = (it.sequence, 0.0, Faulted, NONE);
     equal("sequence, torque in N m, state and flags of the last BenchSample", wanted, got)?;
-    let early: Vec<_> = before.iter().map(|it| it.status.state).filter(|it| *it != State::Running).collect();
+    let early: Vec<_> = before.iter().map(|it| it.status.state).filter(|it| *it != Running).collect();
     equal("other states before it:", Vec::new(), early)?;
-    let later =
-        client.wait_for(SILENT, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+    let later = client.wait_for(SILENT, |message| (!is::<Log>(message)).then_some(*message))?;
     equal("messages after the FaultReport:", None, later)?;
-    no_torque(client, it.sequence, State::Faulted)?;
+    no_torque(client, it.sequence, Faulted)?;
     // A later one replaces nothing.
     client.request(EmergencyStop {})?;
     still_reported(client, it)

@@ -19,7 +19,7 @@ mod run;
 mod steps;
 mod torques;
 
-use super::check::Check;
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     // Mechanics at rest at first, and at rest soon after a fault.

@@ -1,26 +1,7 @@
 //! A run in bench mode.
 
-use std::time::Duration;
-
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{BenchSample, FaultReport, Reference, Start, Subscribe};
-use lashloop_protocol::parameter_names::{BENCH_SAMPLE_EVERY, PERIOD_US, SAMPLE_SOURCE, TORQUE_LIMIT_NM};
-use lashloop_protocol::wire::Payload;
-
-use super::super::answers::command_result;
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::exchanges::result;
-use super::super::moment::Moment;
 use super::super::pins::{self, PINS, UNREAD, has};
-use super::super::range::{nearest_real, nearest_whole};
-use super::super::safety::fault_report;
-use super::super::words::Words;
-
-/// A parameter and its value.
-pub(super) type Setting = (&'static str, ParameterValue);
+use crate::prelude::checks::*;
 
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 pub(super) const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
@@ -42,7 +23,11 @@ const FIRST_NUMBER: u16 = 0_u16.wrapping_sub(2 * NUMBER_STEP);
 const NO_RUN: &str = "the pins of the drive allow no run";
 
 /// A check that a drive without bench mode, and a host that doesn't allow it, leave out.
-pub(super) fn allowed(rules: &'static str, name: &'static str, run: fn(&mut Client) -> RuleResult) -> Check {
+pub(super) fn allowed(
+    rules: &'static str,
+    name: impl Into<String>,
+    run: impl Fn(&mut Client) -> RuleResult + 'static,
+) -> Check {
     check(rules, name, move |client| {
         if !has(client, Capabilities::BENCH_MODE) {
             return skip("the drive has no bench mode");
@@ -135,11 +120,11 @@ fn has_started(client: &mut Client) -> Result<bool, Failure> {
     let session = client.session;
     let answers = client.request(Start { session })?;
     let it = command_result(&Start::LAYOUT, &answers)?;
-    if it.outcome == Outcome::EncoderImplausible {
+    if it.outcome == EncoderImplausible {
         return Ok(false);
     }
     let got = (it.outcome, client.state);
-    equal("Start in bench mode: outcome and state", (Outcome::Accepted, State::Running), got)?;
+    equal("Start in bench mode: outcome and state", (Accepted, Running), got)?;
     Ok(true)
 }
 
@@ -152,7 +137,7 @@ pub(super) fn limit_torque(client: &mut Client) -> RuleResult {
     let limit_nm = client.real(TORQUE_LIMIT_NM)?;
     if limit_nm > most_nm {
         let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, most_nm)?;
-        client.put(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))?;
+        client.put(TORQUE_LIMIT_NM, F32(limit_nm))?;
     }
     Ok(())
 }
@@ -160,7 +145,7 @@ pub(super) fn limit_torque(client: &mut Client) -> RuleResult {
 /// The control period of a run with these settings.
 fn period(client: &Client, settings: &[Setting]) -> Duration {
     let set = settings.iter().find_map(|(name, value)| match value {
-        ParameterValue::U32(period_us) if *name == PERIOD_US => Some(*period_us),
+        U32(period_us) if *name == PERIOD_US => Some(*period_us),
         _ => None,
     });
     Duration::from_micros(set.unwrap_or(client.identity.period_us).into())
@@ -194,26 +179,23 @@ impl<'client> Run<'client> {
             let [scale, twist] =
                 [TORQUE_PER_DUTY_NM, TWIST_LIMIT_RAD].map(|name| client.parameter(name).map(|it| it.max));
             let known_nm = client.bench_mode.and_then(|it| it.torque_per_duty_nm);
-            client.put(TORQUE_PER_DUTY_NM, known_nm.map_or(scale?, ParameterValue::F32))?;
+            client.put(TORQUE_PER_DUTY_NM, known_nm.map_or(scale?, F32))?;
             limit_torque(client)?;
             client.put(TWIST_LIMIT_RAD, twist?)?;
-            client.put_all(&[
-                (SAMPLE_SOURCE, PINS),
-                (BENCH_SAMPLE_EVERY, ParameterValue::U32(timing.every.into())),
-            ])?;
+            client.put_all(&[(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, U32(timing.every.into()))])?;
             client.put_all(settings)?;
             if let Some(subscription) = subscription {
-                client.exchange("in Idle", &[result(subscription, Outcome::Accepted, State::Idle)])?;
+                client.exchange("in Idle", &[result(subscription, Accepted, Idle)])?;
             }
             let it = pins::arm(client)?;
             match it.outcome {
-                Outcome::Accepted => {
+                Accepted => {
                     if has_started(client)? {
                         return Ok(Self { client, number: FIRST_NUMBER, timing });
                     }
                 }
-                Outcome::EncoderImplausible => {}
-                Outcome::Inconsistent if settings.is_empty() => {
+                EncoderImplausible => {}
+                Inconsistent if settings.is_empty() => {
                     let expected =
                         "Arm in bench mode, with the widest limits and else the defaults, Accepted";
                     return Err(broken(expected, it.words()));
@@ -231,9 +213,8 @@ impl<'client> Run<'client> {
 
     /// From `Idle`, with the settings of the run before.
     pub(super) fn again(client: &'client mut Client, timing: Timing) -> Result<Self, Failure> {
-        match pins::arm(client)?.outcome {
-            Outcome::Accepted => {}
-            _ => return skip(NO_RUN),
+        if pins::arm(client)?.outcome != Accepted {
+            return skip(NO_RUN);
         }
         client.start()?;
         Ok(Self { client, number: FIRST_NUMBER, timing })
@@ -262,9 +243,9 @@ impl<'client> Run<'client> {
     /// As [`Self::refer`], with the number of the last one.
     pub(super) fn refer_again(&mut self, reference_rad: f32) -> Result<Vec<DriveMessage>, Failure> {
         let messages = self.client.request(Reference { number: self.number, reference_rad })?;
-        let answer = messages.iter().find(|it| matches!(it, DriveMessage::CommandResult(_)));
-        let is_refused = messages.iter().any(|it| fault_report(it).is_some());
-        expect(answer.is_none() || is_refused, "no answer to a Reference in Running", answer.copied())?;
+        let answer = messages.iter().copied().find(is::<CommandResult>);
+        let is_refused = messages.iter().any(is::<FaultReport>);
+        expect(answer.is_none() || is_refused, "no answer to a Reference in Running", answer)?;
         Ok(messages)
     }
 
@@ -308,8 +289,7 @@ impl<'client> Run<'client> {
             sent.push((self.number, reference_rad));
             messages.extend(self.turn()?);
             turns += 1;
-            let of_fault = messages.iter().find(|it| matches!(it, DriveMessage::FaultReport(_)));
-            if let Some(report) = of_fault {
+            if let Some(report) = messages.iter().find_map(of::<FaultReport>) {
                 return Err(broken("a run in bench mode without a fault", report.words()));
             }
             if begun.elapsed(self.client) > 4 * due + LATEST {
@@ -321,8 +301,8 @@ impl<'client> Run<'client> {
 
     /// As [`Self::until`], for reports of steps, at a reference.
     pub(super) fn reports(&mut self, count: usize, reference_rad: f32) -> Result<Vec<BenchSample>, Failure> {
-        let (messages, _) = self.until(count, is_report, |_| reference_rad)?;
-        Ok(messages.iter().filter_map(report).collect())
+        let (messages, _) = self.until(count, is::<BenchSample>, |_| reference_rad)?;
+        Ok(messages.iter().filter_map(of::<BenchSample>).collect())
     }
 
     /// The reports of steps at a reference and, if one comes, the report of a fault, which ends them.
@@ -336,17 +316,13 @@ impl<'client> Run<'client> {
             let mut messages = self.refer(reference_rad)?;
             messages.extend(self.turn()?);
             for message in &messages {
-                expect(
-                    fault.is_none() || !is_report(message),
-                    "no BenchSample after a FaultReport",
-                    *message,
-                )?;
-                let of_fault = |it: &BenchSample| it.status.state != State::Running;
-                let follows =
-                    matches!(message, DriveMessage::Telemetry(_)) && reports.last().is_some_and(of_fault);
+                let is_in_order = fault.is_none() || !is::<BenchSample>(message);
+                expect(is_in_order, "no BenchSample after a FaultReport", *message)?;
+                let of_fault = |it: &BenchSample| it.status.state != Running;
+                let follows = is::<Telemetry>(message) && reports.last().is_some_and(of_fault);
                 expect(!follows, "no Telemetry of the step that causes a fault", *message)?;
-                reports.extend(report(message));
-                fault = fault.or_else(|| fault_report(message));
+                reports.extend(of::<BenchSample>(message));
+                fault = fault.or_else(|| of::<FaultReport>(message));
             }
             if fault.is_some() {
                 break;
@@ -354,17 +330,6 @@ impl<'client> Run<'client> {
         }
         Ok((reports, fault))
     }
-}
-
-pub(super) const fn report(message: &DriveMessage) -> Option<BenchSample> {
-    match message {
-        DriveMessage::BenchSample(it) => Some(*it),
-        _ => None,
-    }
-}
-
-pub(super) const fn is_report(message: &DriveMessage) -> bool {
-    matches!(message, DriveMessage::BenchSample(_))
 }
 
 /// Requires the steps of a run from its start on, at this interval.

@@ -1,25 +1,10 @@
 //! The steps of a run: their numbers, references, period, reports and telemetry.
 
-use std::time::Duration;
-
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{BenchSample, Reference, Stop, Subscribe};
-use lashloop_protocol::parameter_names::{PERIOD_US, TORQUE_LIMIT_NM};
-use lashloop_protocol::wire::Payload;
-
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::super::check::Check;
-use super::super::client::Client;
-use super::super::moment::Moment;
-use super::super::range::nearest_whole;
 use super::super::receiver::framed;
 use super::super::safety::nearly_in_time;
 use super::super::telemetry::subscription::signals;
-use super::super::words::Words;
-use super::run::{Run, Timing, allowed, in_turn, is_report, report, steps_per_report};
-
-use State::Running;
+use super::run::{Run, Timing, allowed, in_turn, steps_per_report};
+use crate::prelude::checks::*;
 
 /// Steps over which the period is measured: more than 8 bits count. Fewer if they would take longer than this.
 const PACED_STEPS: u32 = 600;
@@ -77,14 +62,14 @@ fn steps(client: &mut Client) -> RuleResult {
         }
         let early = run.listen(run.pause())?;
         let what = format!("messages before the first Reference of the {round} run:");
-        equal(&what, Vec::new(), early.iter().filter(|it| is_report(it)).copied().collect())?;
+        equal(&what, Vec::new(), early.iter().filter(|it| is::<BenchSample>(it)).copied().collect())?;
         let mut reports = Vec::new();
         for reference_rad in [1.0, 0.5, 0.5, -1.0, 0.0] {
             let before = run.refer(reference_rad)?;
-            reports.extend(before.iter().filter_map(report));
+            reports.extend(before.iter().filter_map(of::<BenchSample>));
             let number = run.number;
             // The step that was due when it arrived may have had the one before.
-            let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(report).collect();
+            let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(of::<BenchSample>).collect();
             let got: Vec<_> = after.iter().skip(2).map(|it| it.reference_number).collect();
             expect(!got.is_empty(), "reports after a Reference", "none")?;
             equal("number of the Reference in later reports", vec![number; got.len()], got)?;
@@ -93,11 +78,7 @@ fn steps(client: &mut Client) -> RuleResult {
         in_turn(&reports, timing.every)?;
         for it in &reports {
             let flags = it.status.flags - TorqueFlags::SATURATED;
-            equal(
-                "state and flags but SATURATED",
-                (Running, TorqueFlags::empty()),
-                (it.status.state, flags),
-            )?;
+            equal("state and flags but SATURATED", (Running, NONE), (it.status.state, flags))?;
             let is_within = limit_nm.is_none_or(|limit_nm| it.torque_nm.abs() <= limit_nm);
             expect(is_within, "a finite torque within torque_limit_nm", it.torque_nm)?;
         }
@@ -111,8 +92,8 @@ fn steps(client: &mut Client) -> RuleResult {
             DriveMessage::from(reports[0]),
         )?;
         let answers = run.client.request(Stop {})?;
-        let answers: Vec<_> = answers.into_iter().filter(|it| !is_report(it)).collect();
-        equal("answers to Stop", vec!["LineReport", "CommandResult"], names(&answers))?;
+        let answers = answers.into_iter().filter(|it| !is::<BenchSample>(it)).collect();
+        of_kinds("answers to Stop", &["LineReport", "CommandResult"], answers)?;
     }
     Ok(())
 }
@@ -127,11 +108,8 @@ fn line_counts(client: &mut Client) -> RuleResult {
             run.refer(0.5)?;
         }
         let answers = run.client.request(Stop {})?;
-        let count = answers.iter().find_map(|it| match it {
-            DriveMessage::LineReport(it) => Some([it.messages, it.damaged, it.refused, it.overruns]),
-            _ => None,
-        });
-        counts.push(count.ok_or_else(|| broken("a LineReport after Stop", answers.words()))?);
+        let it = find("a LineReport after Stop", &answers, of::<LineReport>)?;
+        counts.push([it.messages, it.damaged, it.refused, it.overruns]);
     }
     let more: Vec<_> =
         counts[1].iter().zip(counts[0]).map(|(after, before)| after.wrapping_sub(before)).collect();
@@ -153,7 +131,7 @@ fn bodies(client: &mut Client) -> RuleResult {
     ] {
         run.client.request_bytes(&bytes)?;
         run.listen(run.pause())?;
-        let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(report).collect();
+        let after: Vec<_> = run.listen(run.pause())?.iter().filter_map(of::<BenchSample>).collect();
         let numbers: Vec<_> = after.iter().map(|it| it.reference_number).collect();
         expect(!numbers.is_empty(), "reports in a run", "none")?;
         equal(&format!("number of the Reference after {what}"), vec![wanted; numbers.len()], numbers)?;
@@ -165,12 +143,12 @@ fn bodies(client: &mut Client) -> RuleResult {
 fn pace(client: &mut Client, period_us: u32) -> RuleResult {
     let period_us = nearest_whole(client.parameter(PERIOD_US)?, period_us)?;
     let count = PACED_STEPS.min(LONGEST_PACE_US / period_us.max(1));
-    let mut run = Run::start(client, &[(PERIOD_US, ParameterValue::U32(period_us))])?;
+    let mut run = Run::start(client, &[(PERIOD_US, U32(period_us))])?;
     let (mut first, mut last, mut reports) = (None, None, Vec::new());
     run.client.slowest = Duration::ZERO;
     let begun = Moment::latest(run.client);
     while begun.elapsed(run.client) < Duration::from_micros(LONGEST_PACE_US.into()) * 2 {
-        reports.extend(run.refer(0.5)?.iter().filter_map(report));
+        reports.extend(run.refer(0.5)?.iter().filter_map(of::<BenchSample>));
         if let Some(BenchSample { sequence, .. }) = reports.last().copied() {
             let place = (sequence, Moment::latest(run.client));
             let (begun, _) = *first.get_or_insert(place);
@@ -179,7 +157,7 @@ fn pace(client: &mut Client, period_us: u32) -> RuleResult {
                 break;
             }
         }
-        reports.extend(run.turn()?.iter().filter_map(report));
+        reports.extend(run.turn()?.iter().filter_map(of::<BenchSample>));
     }
     // A drive may omit reports that its transmit buffer can't hold, which the line has room for.
     let due = reports.last().map_or(0, |it| it.sequence / run.timing().every);
@@ -221,7 +199,7 @@ fn telemetry(client: &mut Client) -> RuleResult {
         let every = every * fitted.every;
         let timing = Timing::of_every(client, &[], steps * u32::from(fitted.every))?;
         let mut run = Run::start_with(client, timing, &[], Some(Subscribe { signals, every }))?;
-        let (messages, _) = run.until(4, |it| matches!(it, DriveMessage::Telemetry(_)), |_| 0.5)?;
+        let (messages, _) = run.until(4, is::<Telemetry>, |_| 0.5)?;
         let (mut last, mut numbers) = (None, Vec::new());
         for message in &messages {
             match message {
@@ -242,15 +220,12 @@ fn telemetry(client: &mut Client) -> RuleResult {
         // The next run begins anew.
         run.client.request(Stop {})?;
         run = Run::again(run.client, timing)?;
-        let (messages, _) = run.until(2, |it| matches!(it, DriveMessage::Telemetry(_)), |_| 0.5)?;
-        let numbers = messages.iter().filter_map(|it| match it {
-            DriveMessage::Telemetry(it) => Some(it.sequence),
-            _ => None,
-        });
+        let (messages, _) = run.until(2, is::<Telemetry>, |_| 0.5)?;
+        let numbers = messages.iter().filter_map(of::<Telemetry>).map(|it| it.sequence);
         equal("steps with telemetry in the next run", vec![0, every], numbers.take(2).collect())?;
         run.client.request(Subscribe { signals: 0, every: 0 })?;
         let later = run.listen(run.pause())?;
-        let later = later.into_iter().find(|it| matches!(it, DriveMessage::Telemetry(_)));
+        let later = later.into_iter().find(is::<Telemetry>);
         equal("telemetry after the end of the subscription:", None, later)?;
     }
     Ok(())

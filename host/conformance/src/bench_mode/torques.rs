@@ -1,23 +1,10 @@
 //! The torques and the telemetry of bench mode are those of HIL mode.
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{
-    BenchSample, DescribeParameter, EncoderSample, GetParameter, SetParameter, Subscribe, Telemetry,
-};
-use lashloop_protocol::parameter_names::{CONTROLLER, PERIOD_US, TORQUE_LIMIT_NM};
-
-use super::super::answers::{report as find_report, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
-use super::super::check::Check;
-use super::super::client::Client;
-use super::super::exchanges::result;
+use super::super::answers::report as find_report;
 use super::super::parameters::another;
-use super::super::range::nearest_real;
 use super::super::telemetry::subscription::law_signals;
-use super::super::words::{Bits, Words};
-use super::run::{Run, Setting, Timing, allowed, in_turn, is_report, limit_torque, report};
+use super::run::{Run, Timing, allowed, in_turn, limit_torque};
+use crate::prelude::checks::*;
 
 /// Directions of encoders and power stage.
 const MIRRORED: [&str; 3] = ["motor_direction", "load_direction", "torque_direction"];
@@ -59,12 +46,12 @@ fn same_torques(client: &mut Client) -> RuleResult {
     if largest_nm != 0.0 {
         client.reset()?;
         let limit_nm = nearest_real(client.parameter(TORQUE_LIMIT_NM)?, largest_nm / 2.0)?;
-        let settings = &[(TORQUE_LIMIT_NM, ParameterValue::F32(limit_nm))];
+        let settings = &[(TORQUE_LIMIT_NM, F32(limit_nm))];
         Conditions { law, settings, change: None }.compare(client)?;
     }
     client.reset()?;
     // Both encoders and the power stage: the same machine, seen from the other end.
-    let settings = &MIRRORED.map(|name| (name, ParameterValue::U32(1)));
+    let settings = &MIRRORED.map(|name| (name, U32(1)));
     Conditions { law, settings, change: None }.compare(client).map(drop)
 }
 
@@ -74,7 +61,7 @@ fn every_law(client: &mut Client) -> RuleResult {
     }
     for law in client.description.laws.clone() {
         client.reset()?;
-        let settings = &[(CONTROLLER, ParameterValue::U32(law.index.into()))];
+        let settings = &[(CONTROLLER, U32(law.index.into()))];
         Conditions { law: law.index, settings, change: None }.compare(client)?;
     }
     Ok(())
@@ -175,7 +162,7 @@ impl Conditions<'_> {
         let mut run = Run::start_with(client, timing, self.settings, subscription)?;
         // With all bits of its fraction.
         let reference_rad = |turn: u16| 0.251_234_57 * f32::from(turn % 5);
-        let (mut messages, mut sent) = run.until(BEFORE, is_report, reference_rad)?;
+        let (mut messages, mut sent) = run.until(BEFORE, is::<BenchSample>, reference_rad)?;
         let zero = Default::default();
         let refused =
             EncoderSample { sequence: 0, motor_counts: zero, load_counts: zero, reference_rad: FAR_RAD };
@@ -185,37 +172,32 @@ impl Conditions<'_> {
         let fixed = SetParameter { index: fixed.index, value: fixed.default };
         let answers = run.client.request(fixed)?;
         let it = find_report(fixed.index, &answers)?;
-        equal("SetParameter period_us in Running", Outcome::WrongState, it.outcome)?;
+        equal("SetParameter period_us in Running", WrongState, it.outcome)?;
         messages.extend(answers);
         for name in MIRRORED.iter().filter(|_| self.settings.is_empty() && self.change.is_none()) {
             let it = run.client.parameter(name)?;
             let (index, get) = (it.index, GetParameter { index: it.index });
             let request = SetParameter { index, value: another(it) };
             let described = run.client.request(DescribeParameter { index })?;
-            let is_described = |it: &DriveMessage| matches!(it, DriveMessage::ParameterDescription(_));
-            expect(
-                described.iter().any(is_described),
-                "a ParameterDescription in Running",
-                described.words(),
-            )?;
+            let is_described = described.iter().any(is::<ParameterDescription>);
+            expect(is_described, "a ParameterDescription in Running", described.words())?;
             messages.extend(described);
             for answers in [run.client.request(request)?, run.client.request(get)?] {
                 let it = find_report(index, &answers)?;
                 let what = format!("{name} in force, refused in Running");
-                equal(&what, ParameterValue::U32(0), it.value)?;
+                equal(&what, U32(0), it.value)?;
                 messages.extend(answers);
             }
         }
         messages.extend(run.turn()?);
         if let Some(Change::Live(live)) = self.change {
-            let is_answer = |it: &DriveMessage| matches!(it, DriveMessage::ParameterReport(_));
-            let answers = run.client.request_until(live, is_answer)?;
+            let answers = run.client.request_until(live, is::<ParameterReport>)?;
             let it = find_report(live.index, &answers)?;
-            let wanted = (Outcome::Accepted, live.value);
+            let wanted = (Accepted, live.value);
             equal("SetParameter of a live value in Running", wanted, (it.outcome, it.value))?;
             messages.extend(answers);
         }
-        let latest = |messages: &[DriveMessage]| messages.iter().filter_map(report).next_back();
+        let latest = |messages: &[DriveMessage]| messages.iter().filter_map(of::<BenchSample>).next_back();
         let mut last = latest(&messages);
         if let Some(Change::Reference(reference_rad)) = self.change {
             messages.extend(run.refer_again(reference_rad)?);
@@ -224,10 +206,11 @@ impl Conditions<'_> {
         }
         let changed = last.map(|it| it.sequence.wrapping_add(1));
         // None of the references before.
-        let (later, sent_later) = run.until(STEPS - BEFORE, is_report, |turn| 0.1 + reference_rad(turn))?;
+        let (later, sent_later) =
+            run.until(STEPS - BEFORE, is::<BenchSample>, |turn| 0.1 + reference_rad(turn))?;
         messages.extend(later);
         sent.extend(sent_later);
-        let reports: Vec<_> = messages.iter().filter_map(report).collect();
+        let reports: Vec<_> = messages.iter().filter_map(of::<BenchSample>).collect();
         in_turn(&reports, 1)?;
         let sample = |it: &BenchSample| {
             let of_step = sent.iter().find(|(number, _)| *number == it.reference_number);
@@ -239,7 +222,7 @@ impl Conditions<'_> {
         };
         let samples = reports.iter().map(sample).collect::<Result<_, _>>()?;
         let torques = reports.iter().map(|it| (Bits(it.torque_nm.to_bits()), it.status.flags)).collect();
-        let telemetry = messages.iter().filter_map(telemetry).collect();
+        let telemetry = messages.iter().filter_map(of::<Telemetry>).collect();
         Ok((Steps { samples, torques, telemetry }, changed))
     }
 
@@ -254,7 +237,7 @@ impl Conditions<'_> {
         client.idle()?;
         if let Some(subscription) = self.subscription(client) {
             let state = client.state;
-            client.exchange("in Idle", &[result(subscription, Outcome::Accepted, state)])?;
+            client.exchange("in Idle", &[result(subscription, Accepted, state)])?;
         }
         limit_torque(client)?;
         client.running(self.settings)?;
@@ -279,7 +262,7 @@ impl Conditions<'_> {
             let answers = client.request(sample)?;
             let answer = torque(&answers)?;
             steps.torques.push((Bits(answer.torque_nm.to_bits()), answer.status.flags));
-            steps.telemetry.extend(answers.iter().filter_map(telemetry));
+            steps.telemetry.extend(answers.iter().filter_map(of::<Telemetry>));
         }
         Ok(steps)
     }
@@ -318,12 +301,5 @@ impl Conditions<'_> {
             }
         }
         Ok(())
-    }
-}
-
-const fn telemetry(message: &DriveMessage) -> Option<Telemetry> {
-    match message {
-        DriveMessage::Telemetry(it) => Some(*it),
-        _ => None,
     }
 }

@@ -1,10 +1,7 @@
 //! The two encoders of a drive.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::FaultCode;
-use lashloop_protocol::message::EncoderSample;
-
 use crate::answers::sample;
+use crate::prelude::wire::*;
 
 #[derive(Clone, Copy)]
 pub(crate) struct Encoder {

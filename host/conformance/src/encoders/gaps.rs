@@ -1,21 +1,10 @@
 //! Gaps between samples, up to the longest with an unambiguous position.
 
-use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
-use lashloop_protocol::parameter_names::{PERIOD_US, SAMPLE_SOURCE};
-use lashloop_protocol::wire::Payload;
-
-use super::encoder::Encoder;
-use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
-
-use crate::answers::{command_result, sample};
-use crate::assertion::{Failure, RuleResult, equal, expect, names, skip};
-use crate::check::{Check, check};
-use crate::client::Client;
+use super::setup::{COARSE, UNAMBIGUOUS_COUNTS, Wish};
 use crate::pins::{has, widest_duties};
-use crate::reactions::{accepted, first_sample, refused_sample};
+use crate::prelude::checks::*;
 
 /// Resolutions near that of a common servo encoder, so that the speed limits of these checks are those of real machines.
 const GAP_COUNTS_PER_REV: [u32; 2] = [131_072, 100_000];
@@ -38,7 +27,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 /// Tries the longest gap with encoders that allow `motor` and `load` periods.
 fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
-    let mut setup = Setup::of_resolutions(client, GAP_COUNTS_PER_REV)?;
+    let mut setup = Setup::of(client, &Wish { counts_per_rev: GAP_COUNTS_PER_REV, ..COARSE })?;
     for (scale, periods) in setup.scales.iter_mut().zip([motor, load]) {
         // Half a period more, so that rounding in the drive has no effect.
         scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / (f64::from(periods) + 0.5));
@@ -49,14 +38,14 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
     let longest = motor.min(load).min(LONGEST_GAP);
     refused_sample(client, longest + 1)?;
     accepted(client, sample(longest), TorqueFlags::GAP)?;
-    accepted(client, sample(longest + 1), TorqueFlags::empty()).map(drop)
+    accepted(client, sample(longest + 1), NONE).map(drop)
 }
 
 /// Arms with the finest encoder of the drive, and with a speed limit just too high and then just low enough.
 fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     // Equal resolutions if possible: a law may refuse resolutions that differ too much.
     let counts_per_rev = finest(client, Encoder::MOTOR)?.min(finest(client, Encoder::LOAD)?);
-    let mut setup = Setup::of_resolutions(client, [counts_per_rev; 2])?;
+    let mut setup = Setup::of(client, &Wish { counts_per_rev: [counts_per_rev; 2], ..COARSE })?;
     let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
         let scale = &mut setup.scales[encoder.index];
         scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / periods);
@@ -73,7 +62,7 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
         widest_duties(client)?;
         // Its inputs may be too slow for the other encoder too.
         refused_as_ambiguous(client, &Encoder::BOTH, &format!("in bench mode, {what}"))?;
-        client.put(SAMPLE_SOURCE, ParameterValue::U32(0))?;
+        client.put(SAMPLE_SOURCE, U32(0))?;
     }
     client.put_all(&low.settings())?;
     client.arm()
@@ -81,10 +70,10 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
 
 fn refused_as_ambiguous(client: &mut Client, encoders: &[Encoder], what: &str) -> RuleResult {
     let answers = client.request(Arm { session: client.session })?;
-    equal(what, vec!["CommandResult"], names(&answers))?;
+    let answers = of_kinds(what, &["CommandResult"], answers)?;
     let it = command_result(&Arm::LAYOUT, &answers)?;
     let got = (it.outcome, it.state, client.state);
-    equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle, State::Idle), got)?;
+    equal(&format!("{what} outcome and state"), (Inconsistent, Idle, Idle), got)?;
     // Each of these could have another value, and the positions would be unambiguous.
     let of_encoders = encoders.iter().flat_map(|encoder| [encoder.speed_limit, encoder.counts_per_rev]);
     let names: Vec<_> = of_encoders.chain([PERIOD_US]).collect();
@@ -97,9 +86,9 @@ fn refused_as_ambiguous(client: &mut Client, encoders: &[Encoder], what: &str) -
 /// The finest resolution of the drive, in counts per revolution.
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
     match client.parameter(encoder.counts_per_rev)?.max {
-        ParameterValue::U32(max) => Ok(max),
+        U32(max) => Ok(max),
         // It represents the number exactly.
-        ParameterValue::F32(max) => Ok(max as u32),
+        F32(max) => Ok(max as u32),
         ParameterValue::Unknown { .. } => skip("not run: the resolution has a type of a newer drive"),
     }
 }

@@ -6,7 +6,7 @@ mod positions;
 pub(super) mod setup;
 mod speeds;
 
-use super::check::Check;
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = speeds::checks();

@@ -1,17 +1,7 @@
 //! Positions: first readings of either sign, and any number of wraparounds.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::TorqueFlags;
-use lashloop_protocol::message::{EncoderSample, Stop};
-use lashloop_protocol::parameter_names::CONTROLLER;
-
-use super::encoder::{Encoder, placed};
-use super::setup::Setup;
-
-use crate::assertion::{Failure, RuleResult, expect, skip};
-use crate::check::{Check, check};
-use crate::client::Client;
-use crate::reactions::accepted;
+use super::setup::{EQUAL, FAST};
+use crate::prelude::checks::*;
 
 /// Half the range of a reading, in counts.
 const HALF: i64 = 1 << 23;
@@ -76,17 +66,16 @@ pub(super) fn checks() -> Vec<Check> {
                 let fresh = places.map(|counts| {
                     client.reset()?;
                     setup.start(client)?;
-                    accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())
+                    accepted(client, placed(encoder, 0, counts), NONE)
                 });
                 for (counts, fresh) in places.into_iter().zip(fresh) {
                     let wanted_nm = fresh?.torque_nm;
                     client.command(Stop {})?;
-                    client.arm()?;
-                    client.start()?;
-                    let first = accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())?;
+                    client.arm_and_start()?;
+                    let first = accepted(client, placed(encoder, 0, counts), NONE)?;
                     let expected = format!("{} at {counts} counts: {wanted_nm} N m", encoder.name);
                     expect(first.torque_nm.to_bits() == wanted_nm.to_bits(), expected, first.torque_nm)?;
-                    accepted(client, placed(encoder, 1, counts), TorqueFlags::empty())?;
+                    accepted(client, placed(encoder, 1, counts), NONE)?;
                 }
             }
             Ok(())
@@ -116,10 +105,10 @@ fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
 /// way: then the torques of the two ways differ, or the torque changes at rest.
 fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
     let end = HALF / 2;
-    let direct = held(path(client, 1, 0, end)?);
-    let detour = detour(client, &Setup::fast(client)?, 0, end)?;
+    let direct = held(path(client, 1, 0, end)?, REST);
+    let detour = detour(client, &Setup::of(client, &FAST)?, 0, end)?;
     let [earlier_nm, moved_nm] = at_the_end(client, encoder, &direct)?;
-    let detoured_nm = at_the_end(client, encoder, &held(detour))?[1];
+    let detoured_nm = at_the_end(client, encoder, &held(detour, REST))?[1];
     if [earlier_nm, detoured_nm].iter().any(|torque_nm| torque_nm.to_bits() != moved_nm.to_bits()) {
         return skip(WITH_MEMORY);
     }
@@ -154,7 +143,7 @@ fn creeping(client: &mut Client) -> RuleResult {
 /// Both encoders, of one resolution, far away and near the reference: three counts a sample must add up. A law whose torque at rest
 /// depends on the way shows nothing.
 fn creeping_in(client: &mut Client, law: Option<u8>) -> RuleResult {
-    let setup = Setup { law, ..Setup::of_one_resolution(client)? };
+    let setup = Setup { law, ..Setup::of(client, &EQUAL)? };
     let (far, end) = (8 * HALF, 8 * HALF + CREEP * i64::from(CREEPS));
     let reference_rad = setup.angle_rad(end) as f32 - 1.0;
     let direct = path_of(client, &setup, 1, HALF / 2, end)?;
@@ -174,16 +163,13 @@ fn creeping_in(client: &mut Client, law: Option<u8>) -> RuleResult {
 }
 
 /// The torque at the end of a path of both encoders, once its velocities have decayed.
-fn at_rest(client: &mut Client, setup: &Setup, mut path: Path, reference_rad: f32) -> Result<f32, Failure> {
+fn at_rest(client: &mut Client, setup: &Setup, path: Path, reference_rad: f32) -> Result<f32, Failure> {
     client.reset()?;
     setup.start(client)?;
-    if let Some(&(sequence, counts)) = path.last() {
-        path.extend((1..=LONG_REST).map(|period| (sequence.wrapping_add(period), counts)));
-    }
     let (mut torque_nm, mut last) = (0.0, None);
-    for (sequence, counts) in path {
+    for (sequence, counts) in held(path, LONG_REST) {
         let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
-        let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
+        let flags = if is_next { NONE } else { TorqueFlags::GAP };
         let [motor_counts, load_counts] = [EncoderCounts::wrapping(counts); 2];
         let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad };
         torque_nm = accepted(client, sample, flags)?.torque_nm;
@@ -204,7 +190,7 @@ fn detour(client: &Client, setup: &Setup, start: i64, end: i64) -> Result<Path, 
 
 /// A path from `start` up to `end` in the gaps of the drive, with both counts times `sign`.
 fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Path, Failure> {
-    path_of(client, &Setup::fast(client)?, sign, start, end)
+    path_of(client, &Setup::of(client, &FAST)?, sign, start, end)
 }
 
 /// As [`path`], with these settings.
@@ -225,9 +211,9 @@ fn path_of(client: &Client, setup: &Setup, sign: i64, start: i64, end: i64) -> R
 }
 
 /// A path, and rest at its end until the velocities of the motion have decayed.
-fn held(mut path: Path) -> Path {
+fn held(mut path: Path, periods: u16) -> Path {
     if let Some(&(sequence, counts)) = path.last() {
-        path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
+        path.extend((1..=periods).map(|period| (sequence.wrapping_add(period), counts)));
     }
     path
 }
@@ -264,20 +250,20 @@ fn near(
 /// The last two torques of a path. So far from zero one period at the speed limit still passes.
 fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<[f32; 2], Failure> {
     client.reset()?;
-    let setup = Setup::fast(client)?;
+    let setup = Setup::of(client, &FAST)?;
     setup.start(client)?;
     let mut torques_nm = [0.0; 2];
     let mut last = None;
     for &(sequence, counts) in path {
         let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
-        let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
+        let flags = if is_next { NONE } else { TorqueFlags::GAP };
         let torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
         torques_nm = [torques_nm[1], torque_nm];
         last = Some(sequence);
     }
     if let Some(&(sequence, counts)) = path.last() {
         let further = counts + setup.scale(encoder).most_counts(1);
-        accepted(client, placed(encoder, sequence.wrapping_add(1), further), TorqueFlags::empty())?;
+        accepted(client, placed(encoder, sequence.wrapping_add(1), further), NONE)?;
     }
     Ok(torques_nm)
 }

@@ -5,36 +5,46 @@
 
 use std::f64::consts::TAU;
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::ParameterValue;
-use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::encoder::Encoder;
-
 use crate::assertion::{Failure, RuleResult, skip};
 use crate::client::Client;
+use crate::prelude::wire::*;
 use crate::range::{holds, in_type_of, nearest_real, nearest_whole};
 
-/// Not the period of most drives after power-up: a drive must use the one that is set.
-const PERIOD_US: u32 = 800;
-const OTHER_PERIOD_US: u32 = 3_000;
-/// Resolutions of motor and load. Coarse enough that the largest distance of a period fits the counter, fine enough that one
-/// count is a small part of it, and different: a drive must not use one for the other.
-const COUNTS_PER_REV: [u32; 2] = [65_536, 40_000];
-/// Speed limits of motor and load in counts per period: few enough for gaps of 1000 periods, and between two whole numbers, so
-/// that rounding in the drive decides nothing.
-const COUNTS_PER_PERIOD: [f64; 2] = [500.5, 700.5];
-/// As above, for long paths in few samples.
-const MANY_COUNTS_PER_PERIOD: [f64; 2] = [8_000.5, 7_000.5];
-/// As above, for encoders at which every count is fast.
-const FEWEST_COUNTS_PER_PERIOD: [f64; 2] = [0.25, 0.25];
+/// What a setup comes as near to as the drive's ranges allow, of motor and load.
+pub(super) struct Wish {
+    pub(super) period_us: u32,
+    pub(super) counts_per_rev: [u32; 2],
+    /// Speed limits in counts per period.
+    pub(super) counts_per_period: [f64; 2],
+}
+
+/// For checks that allow any resolution. The period isn't that of most drives after power-up: a drive must use the one set.
+///
+/// The resolutions are coarse enough that the largest distance of a period fits the counter, and fine enough that one count is
+/// a small part of it. They are different: a drive must not use one for the other. The speed limits are few enough counts for
+/// gaps of 1000 periods, and between two whole numbers, so that rounding in the drive decides nothing.
+pub(super) const COARSE: Wish =
+    Wish { period_us: 800, counts_per_rev: [65_536, 40_000], counts_per_period: [500.5, 700.5] };
+/// With another period and the resolutions of the other encoder.
+pub(super) const OTHER: Wish = Wish { period_us: 3_000, counts_per_rev: [40_000, 65_536], ..COARSE };
+/// With high speed limits, for long paths in few samples.
+pub(super) const FAST: Wish = Wish { counts_per_period: [8_000.5, 7_000.5], ..COARSE };
+/// With speed limits of less than a count per period: every count is fast.
+pub(super) const SLOWEST: Wish = Wish { counts_per_period: [0.25, 0.25], ..COARSE };
+/// As [`FAST`], with equal encoders.
+pub(super) const EQUAL: Wish =
+    Wish { counts_per_rev: [65_536; 2], counts_per_period: [8_000.5; 2], ..COARSE };
+
 /// Largest unambiguous difference of two readings in either direction, less one count of quantisation.
 pub(super) const UNAMBIGUOUS_COUNTS: f64 = (EncoderCounts::MAX.get() - 1) as f64;
 /// Fraction of a bound within which a drive in single precision may round to its other side.
 pub(super) const ROUNDING: f64 = 1e-5;
 
-type Setting = (&'static str, ParameterValue);
+/// A parameter and its value.
+pub(crate) type Setting = (&'static str, ParameterValue);
 
 /// Resolution, period and speed limit of one encoder.
 #[derive(Debug, Clone, Copy)]
@@ -45,16 +55,11 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    fn fitted(
-        client: &Client,
-        encoder: Encoder,
-        period_us: u32,
-        counts_per_rev: u32,
-        counts_per_period: f64,
-    ) -> Result<Self, Failure> {
-        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev)?, counts_per_rev)?;
+    fn fitted(client: &Client, encoder: Encoder, period_us: u32, wish: &Wish) -> Result<Self, Failure> {
+        let wished = wish.counts_per_rev[encoder.index];
+        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev)?, wished)?;
         let mut scale = Self { period_us, counts_per_rev, speed_limit_rad_s: 0.0 };
-        let wished_rad_s = scale.limit_rad_s(counts_per_period);
+        let wished_rad_s = scale.limit_rad_s(wish.counts_per_period[encoder.index]);
         scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit)?, wished_rad_s)?;
         Ok(scale)
     }
@@ -85,58 +90,20 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// With coarse encoders, for checks that allow any resolution.
+    /// As [`COARSE`].
     pub(crate) fn coarse(client: &Client) -> Result<Self, Failure> {
-        Self::of(client, COUNTS_PER_REV, COUNTS_PER_PERIOD)
+        Self::of(client, &COARSE)
     }
 
-    /// As [`Self::coarse`], with another period and the resolutions of the other encoder.
-    pub(super) fn other(client: &Client) -> Result<Self, Failure> {
-        let [motor, load] = COUNTS_PER_REV;
-        Self::of_period(client, OTHER_PERIOD_US, [load, motor], COUNTS_PER_PERIOD)
-    }
-
-    /// As [`Self::coarse`], with high speed limits.
-    pub(super) fn fast(client: &Client) -> Result<Self, Failure> {
-        Self::of(client, COUNTS_PER_REV, MANY_COUNTS_PER_PERIOD)
-    }
-
-    /// As [`Self::coarse`], with speed limits of less than a count per period.
-    pub(super) fn slowest(client: &Client) -> Result<Self, Failure> {
-        Self::of(client, COUNTS_PER_REV, FEWEST_COUNTS_PER_PERIOD)
-    }
-
-    /// As [`Self::fast`], with equal encoders.
-    pub(super) fn of_one_resolution(client: &Client) -> Result<Self, Failure> {
-        Self::of(client, [COUNTS_PER_REV[0]; 2], [MANY_COUNTS_PER_PERIOD[0]; 2])
+    pub(super) fn of(client: &Client, wish: &Wish) -> Result<Self, Failure> {
+        let period_us = nearest_whole(client.parameter("period_us")?, wish.period_us)?;
+        let scale = |encoder| Scale::fitted(client, encoder, period_us, wish);
+        Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?], law: None })
     }
 
     /// The angle of the load at these counts, in rad.
     pub(super) fn angle_rad(&self, counts: i64) -> f64 {
         counts as f64 * TAU / f64::from(self.scale(Encoder::LOAD).counts_per_rev)
-    }
-
-    /// With the drive's resolutions nearest to these.
-    pub(super) fn of_resolutions(client: &Client, counts_per_rev: [u32; 2]) -> Result<Self, Failure> {
-        Self::of(client, counts_per_rev, COUNTS_PER_PERIOD)
-    }
-
-    fn of(client: &Client, counts_per_rev: [u32; 2], counts_per_period: [f64; 2]) -> Result<Self, Failure> {
-        Self::of_period(client, PERIOD_US, counts_per_rev, counts_per_period)
-    }
-
-    fn of_period(
-        client: &Client,
-        period_us: u32,
-        counts_per_rev: [u32; 2],
-        counts_per_period: [f64; 2],
-    ) -> Result<Self, Failure> {
-        let period_us = nearest_whole(client.parameter("period_us")?, period_us)?;
-        let scale = |encoder: Encoder| {
-            let at = encoder.index;
-            Scale::fitted(client, encoder, period_us, counts_per_rev[at], counts_per_period[at])
-        };
-        Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?], law: None })
     }
 
     pub(crate) const fn scale(&self, encoder: Encoder) -> Scale {
@@ -152,7 +119,6 @@ impl Setup {
     }
 
     pub(crate) fn settings(&self) -> Vec<Setting> {
-        use ParameterValue::{F32, U32};
         let [motor, load] = self.scales;
         let law = self.law.map(|law| (CONTROLLER, U32(law.into())));
         let encoders = [

@@ -1,16 +1,8 @@
 //! Speed limits: the last count that passes and the first that is a fault.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{State, TorqueFlags};
-use lashloop_protocol::message::ClearFault;
-
-use super::encoder::{Encoder, placed};
-use super::setup::{ROUNDING, Scale, Setup};
-
-use crate::assertion::{Failure, RuleResult, expect, skip};
-use crate::check::{Check, check};
-use crate::client::Client;
-use crate::reactions::{accepted, fault_answer_with, first_sample, no_torque, still_reported};
+use super::setup::{OTHER, ROUNDING, SLOWEST, Scale};
+use crate::prelude::checks::*;
+use crate::reactions::fault_answer_with;
 
 /// Periods of the longer of two tested distances.
 const GAP: u16 = 11;
@@ -25,7 +17,7 @@ pub(super) fn checks() -> Vec<Check> {
                 for (start, sign) in STARTS.into_iter().flat_map(|start| [(start, 1), (start, -1)]) {
                     client.reset()?;
                     setup.start(client)?;
-                    accepted(client, placed(encoder, 0, start), TorqueFlags::empty())?;
+                    accepted(client, placed(encoder, 0, start), NONE)?;
                     let mut at = start;
                     let mut sequence = 0;
                     // From zero often enough to show a count that adds up.
@@ -40,13 +32,13 @@ pub(super) fn checks() -> Vec<Check> {
             Ok(())
         }),
         check("R7.14", "one count is never a jump", |client| {
-            let setup = Setup::slowest(client)?;
+            let setup = Setup::of(client, &SLOWEST)?;
             setup.start(client)?;
             first_sample(client)?;
             for (sequence, counts) in [(1, 1), (2, 0), (3, -1), (4, 0)] {
                 let mut sample = placed(Encoder::MOTOR, sequence, counts);
                 *(Encoder::LOAD.counts_mut)(&mut sample) = EncoderCounts::wrapping(-counts);
-                accepted(client, sample, TorqueFlags::empty())?;
+                accepted(client, sample, NONE)?;
             }
             Ok(())
         }),
@@ -55,7 +47,7 @@ pub(super) fn checks() -> Vec<Check> {
         let name = format!("a {} encoder that jumps is a fault", encoder.name);
         check("R5.2 R7.14 R7.16 R9.6 R9.12", name, move |client| {
             // Other settings have another effect, in the next run too.
-            jump(client, &Setup::other(client)?, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
+            jump(client, &Setup::of(client, &OTHER)?, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
             let setup = Setup::coarse(client)?;
             client.command(ClearFault {})?;
             jump(client, &setup, encoder, Jump { start: 0, sign: 1, periods: 1 })?;
@@ -78,7 +70,7 @@ fn periods(setup: &Setup) -> impl Iterator<Item = u16> + use<> {
 }
 
 fn gap_flag(periods: u16) -> TorqueFlags {
-    if periods > 1 { TorqueFlags::GAP } else { TorqueFlags::empty() }
+    if periods > 1 { TorqueFlags::GAP } else { NONE }
 }
 
 /// A movement beyond the speed limit.
@@ -117,7 +109,7 @@ fn jump(client: &mut Client, setup: &Setup, encoder: Encoder, jump: Jump) -> Rul
     setup.start(client)?;
     // Two slow steps, and then the jump.
     for (sequence, from) in [(0, start), (1, start + sign), (2, start)] {
-        accepted(client, placed(encoder, sequence, from), TorqueFlags::empty())?;
+        accepted(client, placed(encoder, sequence, from), NONE)?;
     }
     let sequence = 2 + periods;
     let answers = client.request(placed(encoder, sequence, start + sign * counts))?;
@@ -129,6 +121,6 @@ fn jump(client: &mut Client, setup: &Setup, encoder: Encoder, jump: Jump) -> Rul
     let near = (f64::from(it.value) - speed_rad_s).abs() <= 2.0 * ROUNDING * speed_rad_s;
     expect(near, format!("{what}: the least speed, {speed_rad_s} rad/s"), it.value)?;
     still_reported(client, it)?;
-    no_torque(client, sequence, State::Faulted)?;
-    no_torque(client, sequence + 1, State::Faulted)
+    no_torque(client, sequence, Faulted)?;
+    no_torque(client, sequence + 1, Faulted)
 }

@@ -1,21 +1,9 @@
 //! Whether a value that a drive accepted has an effect.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, EncoderSample, Stop, TorqueAnswer};
-use lashloop_protocol::parameter_names::{CONTROLLER, TORQUE_LIMIT_NM};
-use lashloop_protocol::wire::Payload;
-
-use lashloop_session::Parameter;
-
-use super::super::answers::{outcome, torque};
-use super::super::assertion::{Failure, RuleResult, equal, expect, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::range::{holds, neighbour, within};
+use super::super::range::within;
 use super::super::samples::runs::{equal_torques, torques_of_a_run};
-use super::super::words::Words;
 use super::values::set_live;
+use crate::prelude::checks::*;
 
 /// Samples of a run that shows the effect of a live parameter.
 const STEPS: u16 = 14;
@@ -66,8 +54,8 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
     client.long_watchdog()?;
     let law =
         client.description.laws.iter().find(|law| it.laws.contains(law.index)).map_or(0, |law| law.index);
-    if it.name != CONTROLLER && client.parameter(CONTROLLER).is_ok() {
-        client.put(CONTROLLER, ParameterValue::U32(law.into()))?;
+    if it.name != CONTROLLER {
+        client.put_law(law)?;
     }
     // A limited torque would hide an effect.
     let limit = client.parameter(TORQUE_LIMIT_NM)?.max;
@@ -77,7 +65,7 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
     }
     let session = client.session;
     let answers = client.request(Arm { session })?;
-    if outcome::<Arm>(&answers)? == Outcome::Inconsistent
+    if outcome::<Arm>(&answers)? == Inconsistent
         || when == Set::InArmed && set_live(client, it, value)? != value
     {
         return Ok(None);
@@ -94,7 +82,7 @@ fn run(client: &mut Client, it: &Parameter, value: ParameterValue, when: Set) ->
         let answers = client.request_to(sample, TorqueAnswer::LAYOUT.name)?;
         let answer = torque(&answers)?;
         // With some values a law may request more than is finite.
-        if answer.status.state == State::Faulted {
+        if answer.status.state == Faulted {
             return Ok(None);
         }
         let torque_nm = answer.torque_nm;
@@ -127,7 +115,7 @@ fn live(client: &Client) -> Result<Vec<(Parameter, ParameterValue)>, Failure> {
 /// value next to the default.
 pub(in super::super) fn another(it: &Parameter) -> ParameterValue {
     let more = match it.default {
-        ParameterValue::F32(default) => ParameterValue::F32(1.25 * default),
+        F32(default) => F32(1.25 * default),
         other => other,
     };
     let mut candidates = [more, within(it, 0.5)].into_iter();
@@ -145,9 +133,7 @@ fn of_other_laws(client: &mut Client) -> RuleResult {
         has_some |= !settings.is_empty();
         client.reset()?;
         client.long_watchdog()?;
-        if client.parameter(CONTROLLER).is_ok() {
-            client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
-        }
+        client.put_law(law.index)?;
         let first = torques_of_a_run(client, |_, _| Ok(()))?;
         client.command(Stop {})?;
         for (name, value) in &settings {

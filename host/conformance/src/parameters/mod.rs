@@ -8,19 +8,10 @@ pub(super) mod values;
 
 use std::collections::HashSet;
 
-use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
-use lashloop_protocol::parameter_names::{
-    CONTROLLER, LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, REQUIRED, TORQUE_LIMIT_NM, WATCHDOG_US,
-};
-
-use super::assertion::{RuleResult, equal, expect};
-use super::check::{Check, check};
-use super::client::Client;
-use super::exchanges::{reads, sets};
-use super::range::{holds, in_type_of};
-use super::words::Words;
-pub(super) use effect::another;
+use crate::prelude::checks::*;
 use values::each;
+
+pub(super) use effect::another;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -51,7 +42,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("R3.2 R9.2", "default, minimum and maximum are finite", |client| {
             client.description.parameters.iter().try_for_each(|it| {
-                let finite = |value| !matches!(value, ParameterValue::F32(value) if !value.is_finite());
+                let finite = |value| !matches!(value, F32(value) if !value.is_finite());
                 let values = [it.default, it.min, it.max];
                 expect(values.into_iter().all(finite), format!("{}: finite values", it.name), values)
             })
@@ -70,16 +61,16 @@ pub(super) fn checks() -> Vec<Check> {
                 each(client, |client, it| {
                     let mut values = vec![it.min, it.max];
                     // -0 is not below a minimum of 0, and keeps its sign.
-                    if it.min == ParameterValue::F32(0.0) {
-                        values.push(ParameterValue::F32(-0.0));
+                    if it.min == F32(0.0) {
+                        values.push(F32(-0.0));
                     }
                     // Numbers that a processor may flush to zero.
-                    let smallest = [1e-40, f32::from_bits(1)].map(ParameterValue::F32);
+                    let smallest = [1e-40, f32::from_bits(1)].map(F32);
                     values.extend(smallest.into_iter().filter(|value| holds(it, *value)));
                     values.push(it.default);
                     let exchanges = values.into_iter().flat_map(|value| {
-                        let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
-                        [set, reads(it.index, value, State::Idle)]
+                        let set = sets(it.index, value, Accepted, value, Idle);
+                        [set, reads(it.index, value, Idle)]
                     });
                     client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
                 })
@@ -93,10 +84,8 @@ pub(super) fn checks() -> Vec<Check> {
 }
 
 /// Names whose ranges every drive has at least.
-const LEAST_RANGES: [(&str, [ParameterValue; 2]); 2] = [
-    (WATCHDOG_US, [ParameterValue::U32(10_000), ParameterValue::U32(30_000_000)]),
-    (TORQUE_LIMIT_NM, [ParameterValue::F32(0.0), ParameterValue::F32(1.0)]),
-];
+const LEAST_RANGES: [(&str, [ParameterValue; 2]); 2] =
+    [(WATCHDOG_US, [U32(10_000), U32(30_000_000)]), (TORQUE_LIMIT_NM, [F32(0.0), F32(1.0)])];
 
 /// A warning of names that a scenario, which is TOML, must quote.
 pub(super) fn foreign_names<'a>(names: impl Iterator<Item = &'a str>) -> String {

@@ -1,20 +1,8 @@
 //! What keeps the values of parameters, and what ends them.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
-
-use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, WATCHDOG_US};
-
-use super::super::answers::{hello, other, outcome};
-use super::super::assertion::{Failure, RuleResult};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::exchanges::{Exchange, result, sets};
-use super::super::range::{neighbour, within};
+use super::super::range::within;
 use super::values::{defaults, in_force};
-
-use Outcome::{Accepted, Inconsistent};
-use State::{Armed, Boot, Faulted, Idle, Running};
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![

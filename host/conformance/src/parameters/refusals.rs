@@ -1,21 +1,9 @@
 //! Settings that a drive refuses: range, type, index and state. None may change a value.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
-use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-
-use lashloop_session::Parameter;
-
-use super::super::assertion::RuleResult;
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::exchanges::{Exchange, reads, reported, sets};
-use super::super::range::{beyond, neighbour, of_other_type, outside};
+use super::super::exchanges::reported;
+use super::super::range::{beyond, of_other_type, outside};
 use super::values::{defaults, each, set_live};
-
-use Outcome::{Accepted, OutOfRange, UnknownIndex, WrongState, WrongType};
-use State::{Armed, Boot, Faulted, Idle, Running};
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -26,10 +14,10 @@ pub(super) fn checks() -> Vec<Check> {
             refused(client, |it| of_other_type(it).into_iter().map(|value| (value, WrongType)).collect())
         }),
         check("R4.6 R6.2 R6.4", "an unknown parameter index is refused in every state", |client| {
-            State::ALL.iter().try_for_each(|state| unknown(client, *state))
+            client.in_states(State::ALL, unknown)
         }),
         check("R6.4", "the state of the drive is checked before type and range of a value", |client| {
-            [Boot, Armed, Running, Faulted].into_iter().try_for_each(|state| wrong_in(client, state))
+            client.in_states(&[Boot, Armed, Running, Faulted], wrong_in)
         }),
     ];
     for state in [Armed, Running] {
@@ -60,16 +48,14 @@ fn refused(client: &mut Client, values: impl Fn(&Parameter) -> Vec<(ParameterVal
 }
 
 fn unknown(client: &mut Client, state: State) -> RuleResult {
-    client.reset()?;
-    client.enter(state)?;
     // 255 is the index that ends every exchange.
     for index in beyond(client, client.identity.parameter_count, u8::MAX - 1) {
-        let report = reported(index, UnknownIndex, ParameterValue::U32(0), state);
+        let report = reported(index, UnknownIndex, U32(0), state);
         let requests: [HostMessage; 4] = [
             DescribeParameter { index }.into(),
             GetParameter { index }.into(),
-            SetParameter { index, value: ParameterValue::U32(1) }.into(),
-            SetParameter { index, value: ParameterValue::F32(f32::NAN) }.into(),
+            SetParameter { index, value: U32(1) }.into(),
+            SetParameter { index, value: F32(f32::NAN) }.into(),
         ];
         let exchanges: Vec<Exchange> = requests.into_iter().map(|it| (it, report.into())).collect();
         client.exchange(&format!("in {state:?}"), &exchanges)?;
@@ -89,8 +75,6 @@ fn present(client: &mut Client) -> Result<Vec<ParameterValue>, super::super::ass
 
 /// Wrong type and wrong range in a state that allows no setting at all.
 fn wrong_in(client: &mut Client, state: State) -> RuleResult {
-    client.reset()?;
-    client.enter(state)?;
     let present = present(client)?;
     let mut exchanges = Vec::new();
     for it in client.description.parameters.iter().filter(|it| !it.live || matches!(state, Boot | Faulted)) {

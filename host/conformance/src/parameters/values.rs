@@ -1,12 +1,6 @@
 //! All parameters of a drive, one by one, and their values.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-
-use lashloop_session::Parameter;
-
-use super::super::assertion::{Failure, RuleResult, equal, expect};
-use super::super::client::Client;
-use super::super::exchanges::{Exchange, reads};
+use crate::prelude::checks::*;
 
 pub(super) fn each(
     client: &mut Client,
@@ -35,9 +29,9 @@ pub(crate) fn set_live(
     let before = client.get(it.index)?.value;
     let report = client.set(it.index, value)?;
     let got = (report.outcome, report.value);
-    if report.outcome != Outcome::Inconsistent {
+    if report.outcome != Inconsistent {
         let what = format!("{} = {value} in {}: outcome, value and detail", it.name, client.state);
-        equal(&what, (Outcome::Accepted, value, 0), (got.0, got.1, report.detail))?;
+        equal(&what, (Accepted, value, 0), (got.0, got.1, report.detail))?;
         return Ok(value);
     }
     let what = format!("{} = {value} refused in {}: value and detail", it.name, client.state);

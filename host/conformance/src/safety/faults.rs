@@ -1,22 +1,7 @@
 //! Latched faults: their reports, and what clears them.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{FaultCode, Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Reset, Stop};
-
-use super::super::answers::{fault, hello, latched, sample};
-use super::super::assertion::{Failure, RuleResult, equal, expect, names};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::encoders::encoder::Encoder;
-use super::super::encoders::encoder::placed;
-use super::super::encoders::setup::Setup;
-use super::super::reactions::{
-    accepted, fault_answer, fault_answer_with, first_sample, no_torque, reported_to, same_report,
-    still_reported,
-};
-use super::timing::fault_report;
+use super::super::reactions::{fault_answer_with, reported_to, same_report};
+use crate::prelude::checks::*;
 
 /// Time after which a fault must still be latched.
 const LATCHED: Duration = Duration::from_millis(150);
@@ -45,30 +30,26 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             first_sample(client)?;
             stopped(client, 0)?;
-            equal("ClearFault", (Outcome::Accepted, State::Idle), client.command(ClearFault {})?)?;
-            no_torque(client, 1, State::Idle)?;
-            no_torque(client, 0, State::Idle)
+            equal("ClearFault", (Accepted, Idle), client.command(ClearFault {})?)?;
+            no_torque(client, 1, Idle)?;
+            no_torque(client, 0, Idle)
         }),
         check("R8.1 R8.4", "a fault after a cleared one has its own report", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
-                accepted(client, sample(sequence), TorqueFlags::empty())?;
+                accepted(client, sample(sequence), NONE)?;
             }
             stopped(client, 2)?;
             client.command(ClearFault {})?;
             // The run has ended, and its last sample is still the last accepted.
             stopped(client, 2)?;
             client.command(ClearFault {})?;
-            equal(
-                "to Hello without a fault",
-                vec!["Identity"],
-                names(&client.request(hello(client.session))?),
-            )?;
+            let answers = client.request(hello(client.session))?;
+            of_kinds("to Hello without a fault", &["Identity"], answers)?;
             client.arm()?;
             stopped(client, 2)?;
             client.command(ClearFault {})?;
-            client.arm()?;
-            client.start()?;
+            client.arm_and_start()?;
             let answers = client.request(EncoderSample { reference_rad: f32::INFINITY, ..sample(0) })?;
             let it = fault_answer(&answers, FaultCode::ReferenceNotFinite)?;
             still_reported(client, it)
@@ -76,9 +57,9 @@ pub(super) fn checks() -> Vec<Check> {
         check("R8.2 R8.4", "a reset clears a fault and the sequence of its report", |client| {
             client.running(&[])?;
             first_sample(client)?;
-            accepted(client, sample(1), TorqueFlags::empty())?;
+            accepted(client, sample(1), NONE)?;
             stopped(client, 1)?;
-            equal("Reset", (Outcome::Accepted, State::Boot), client.command(Reset {})?)?;
+            equal("Reset", (Accepted, Boot), client.command(Reset {})?)?;
             equal("to Hello", vec!["Identity"], names(&client.request(hello(client.session))?))?;
             stopped(client, 0).map(drop)
         }),
@@ -101,26 +82,24 @@ pub(super) fn checks() -> Vec<Check> {
 
 /// Sends an `EmergencyStop` and requires its report, which has no value and no limit.
 fn stopped(client: &mut Client, sequence: u16) -> Result<FaultReport, Failure> {
-    let answers = client.request(EmergencyStop {})?;
-    equal("to EmergencyStop", vec!["FaultReport", "CommandResult"], names(&answers))?;
-    equal("state", State::Faulted, client.state)?;
+    let kinds = ["FaultReport", "CommandResult"];
+    let answers = of_kinds("to EmergencyStop", &kinds, client.request(EmergencyStop {})?)?;
+    equal("state", Faulted, client.state)?;
     let (code, got) = (FaultCode::EmergencyStop, fault(&answers)?);
     same_report("to EmergencyStop", latched(code, sequence, 0.0), got)?;
     Ok(got)
 }
 
 fn emergency_stop(client: &mut Client) -> RuleResult {
-    for &state in State::ALL {
-        client.reset()?;
-        client.enter(state)?;
+    client.in_states(State::ALL, |client, _| {
         let it = stopped(client, 0)?;
-        [0, 1].into_iter().try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
-        still_reported(client, it)?;
-    }
+        [0, 1].into_iter().try_for_each(|sequence| no_torque(client, sequence, Faulted))?;
+        still_reported(client, it)
+    })?;
     client.reset()?;
     client.running(&[])?;
     for sequence in 0..3 {
-        accepted(client, sample(sequence), TorqueFlags::empty())?;
+        accepted(client, sample(sequence), NONE)?;
     }
     // A repeated and a stray sample are not accepted.
     client.sample(2)?;
@@ -131,15 +110,13 @@ fn emergency_stop(client: &mut Client) -> RuleResult {
 /// Nothing but `ClearFault` and `Reset` clears a fault, and its report does not change.
 pub(super) fn stays_latched(client: &mut Client, report: FaultReport) -> RuleResult {
     still_reported(client, report)?;
-    [0, 1, report.sequence]
-        .into_iter()
-        .try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
-    equal("Stop", (Outcome::WrongState, State::Faulted), client.command(Stop {})?)?;
-    let news = client.wait_for(LATCHED, fault_report)?;
+    [0, 1, report.sequence].into_iter().try_for_each(|sequence| no_torque(client, sequence, Faulted))?;
+    equal("Stop", (WrongState, Faulted), client.command(Stop {})?)?;
+    let news = client.wait_for(LATCHED, of::<FaultReport>)?;
     expect(news.is_none(), "one FaultReport for one fault", news)?;
     reported_to(client, client.session ^ 1, report)?;
     reported_to(client, client.session, report)?;
-    no_torque(client, report.sequence.wrapping_add(1), State::Faulted)
+    no_torque(client, report.sequence.wrapping_add(1), Faulted)
 }
 
 fn not_finite(client: &mut Client) -> RuleResult {
@@ -157,14 +134,14 @@ fn not_finite(client: &mut Client) -> RuleResult {
         if sequence > 0 {
             first_sample(client)?;
         }
-        let flags = if sequence > 1 { TorqueFlags::GAP } else { TorqueFlags::empty() };
+        let flags = if sequence > 1 { TorqueFlags::GAP } else { NONE };
         let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
         let it = fault_answer_with(&answers, FaultCode::ReferenceNotFinite, flags)?;
         let wanted = latched(it.code, sequence, reference_rad);
         same_report("to a reference that is not finite", wanted, it)?;
         still_reported(client, it)?;
-        no_torque(client, sequence, State::Faulted)?;
-        no_torque(client, sequence + 1, State::Faulted)?;
+        no_torque(client, sequence, Faulted)?;
+        no_torque(client, sequence + 1, Faulted)?;
     }
     Ok(())
 }

@@ -1,13 +1,8 @@
 //! Samples later than the watchdog allows.
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{FaultCode, State, TorqueFlags};
-
-use super::super::answers::{sample, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::super::client::Client;
-use super::timing::{CLOCK_TOLERANCE, LONGEST_ATTEMPT, QUICK, fault_report, start_with, too_busy};
+use super::timing::{CLOCK_TOLERANCE, LONGEST_ATTEMPT, QUICK, start_with, too_busy};
+use crate::prelude::checks::*;
+use crate::reactions::zero_torque;
 
 /// A watchdog for samples that come late.
 const SHORT: Duration = Duration::from_millis(20);
@@ -56,21 +51,21 @@ fn late_sample(client: &mut Client, late: u16, last: u16, attempt: u32) -> Resul
         client.torque(sequence)?;
     }
     client.request_bytes(&[])?;
-    if client.state != State::Running {
+    if client.state != Running {
         return Ok(Late::Untimely);
     }
     let (from_us, mut reports) = (client.arrivals.device_us, Vec::new());
     // Without a clock to ask, each attempt is later than the last.
     let lateness = SHORT.mul_f64(2.0 * CLOCK_TOLERANCE + LATER * f64::from(attempt));
     client.wait_for(SHORT + lateness, |message| {
-        reports.extend(fault_report(message));
+        reports.extend(of::<FaultReport>(message));
         None::<()>
     })?;
-    reports.extend(client.request_bytes(&[])?.iter().filter_map(fault_report));
+    reports.extend(client.request_bytes(&[])?.iter().filter_map(of::<FaultReport>));
     let passed_us = from_us.zip(client.arrivals.device_us).map(|(from, to)| to.wrapping_sub(from));
     let answers = client.request(sample(late))?;
-    reports.extend(answers.iter().filter_map(fault_report));
-    if reports.is_empty() && client.state == State::Running {
+    reports.extend(answers.iter().filter_map(of::<FaultReport>));
+    if reports.is_empty() && client.state == Running {
         let Some(passed_us) = passed_us else { return Ok(Late::Running) };
         let limit_us = SHORT.as_micros() as u32;
         let expected =
@@ -82,9 +77,6 @@ fn late_sample(client: &mut Client, late: u16, last: u16, attempt: u32) -> Resul
     expect(reports.len() == 1, expected, reports.as_slice())?;
     let got = (reports[0].code, reports[0].sequence);
     equal("code and sequence", (FaultCode::Watchdog, last), got)?;
-    let it = torque(&answers)?;
-    let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
-    let wanted = (late, 0.0, State::Faulted, TorqueFlags::empty());
-    equal("sequence, torque in N m, state and flags", wanted, got)?;
+    zero_torque(late, Faulted, &answers)?;
     Ok(if names(&answers)[0] == "TorqueAnswer" { Late::Answered } else { Late::After })
 }

@@ -1,15 +1,6 @@
 //! The torque limit, and the end of the torque with the run.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{FaultCode, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Reset, Stop, TorqueAnswer};
-
-use super::super::answers::{fault, hello, sample, torque};
-use super::super::assertion::{Failure, RuleResult, equal, expect, names, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::encoders::setup::Setup;
-use super::super::reactions::{first_sample, no_torque};
+use crate::prelude::checks::*;
 
 const LIMIT: &str = "torque_limit_nm";
 /// References of one sign and of the other, in rad.
@@ -54,11 +45,11 @@ fn limited(client: &mut Client) -> RuleResult {
         }
         let what = format!("reference {reference_rad} rad");
         if free.status.flags == TorqueFlags::SATURATED {
-            equal(&format!("{what}: SATURATED at {LIMIT}"), highest, ParameterValue::F32(free_nm.abs()))?;
+            equal(&format!("{what}: SATURATED at {LIMIT}"), highest, F32(free_nm.abs()))?;
         } else {
-            equal(&format!("{what}: far from the limit"), TorqueFlags::empty(), free.status.flags)?;
+            equal(&format!("{what}: far from the limit"), NONE, free.status.flags)?;
             let above_nm = free_nm.abs().next_up();
-            let same = first_torque(client, ParameterValue::F32(above_nm), reference_rad)?;
+            let same = first_torque(client, F32(above_nm), reference_rad)?;
             let is_free = same.status.flags.is_empty() && same.torque_nm.abs() <= free_nm.abs();
             let expected = format!("{what}, limit {above_nm} N m: {free_nm} N m, no flags");
             expect(is_free, expected, same)?;
@@ -66,8 +57,8 @@ fn limited(client: &mut Client) -> RuleResult {
         for limit_nm in
             [0.995 * free_nm.abs(), free_nm.abs() / 2.0, free_nm.abs() / 16.0, 1e-5 * free_nm.abs(), 0.0]
         {
-            let answer = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
-            let wanted = (limit_nm.copysign(free_nm), State::Running, TorqueFlags::SATURATED);
+            let answer = first_torque(client, F32(limit_nm), reference_rad)?;
+            let wanted = (limit_nm.copysign(free_nm), Running, TorqueFlags::SATURATED);
             let got = (answer.torque_nm, answer.status.state, answer.status.flags);
             equal(&format!("{what}, limit {limit_nm} N m: torque in N m, state and flags"), wanted, got)?;
             // The flag ends with the limitation.
@@ -80,9 +71,9 @@ fn limited(client: &mut Client) -> RuleResult {
     // A torque of zero is not clamped by a limit of zero.
     let free = first_torque(client, highest, 0.0)?;
     if free.torque_nm == 0.0 {
-        let it = first_torque(client, ParameterValue::F32(0.0), 0.0)?;
+        let it = first_torque(client, F32(0.0), 0.0)?;
         let got = (it.torque_nm, it.status.state, it.status.flags);
-        let wanted = (0.0, State::Running, TorqueFlags::empty());
+        let wanted = (0.0, Running, NONE);
         equal("reference 0 rad, limit 0 N m: torque in N m, state and flags", wanted, got)?;
     }
     Ok(())
@@ -106,7 +97,7 @@ fn limited_after_gap(client: &mut Client) -> RuleResult {
     if limit_nm == 0.0 {
         return skip("not run: the law in force requests no torque");
     }
-    let it = after_gap(client, ParameterValue::F32(limit_nm))?;
+    let it = after_gap(client, F32(limit_nm))?;
     let wanted = (limit_nm.copysign(free_nm), TorqueFlags::GAP | TorqueFlags::SATURATED);
     equal("torque in N m and flags after a gap", wanted, (it.torque_nm, it.status.flags))
 }
@@ -121,7 +112,7 @@ fn at_the_limit(client: &mut Client) -> RuleResult {
             continue;
         }
         let limit_nm = free.torque_nm.abs();
-        let same = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
+        let same = first_torque(client, F32(limit_nm), reference_rad)?;
         let what = format!("reference {reference_rad} rad, limit {limit_nm} N m: torque in N m");
         equal(&what, free.torque_nm, same.torque_nm)?;
         if same.status.flags.is_empty() {
@@ -143,7 +134,7 @@ fn limits_of_runs(client: &mut Client) -> RuleResult {
         for fraction in [0.25, 0.0, 0.5, 0.125] {
             let limit_nm = fraction * free_nm.abs();
             client.command(Stop {})?;
-            client.running_if_consistent(&[(LIMIT, ParameterValue::F32(limit_nm))])?;
+            client.running_if_consistent(&[(LIMIT, F32(limit_nm))])?;
             for sequence in 0..SAMPLES {
                 let it = torque(&client.request_one(pushed(sequence))?)?;
                 let bounded = it.torque_nm.abs() <= limit_nm;
@@ -162,8 +153,7 @@ fn limits_of_runs(client: &mut Client) -> RuleResult {
         // The mechanics do not move, so a law without an integrator stays at the limit; any law shows its first torque again.
         for _ in 0..SAMPLES {
             client.command(Stop {})?;
-            client.arm()?;
-            client.start()?;
+            client.arm_and_start()?;
             let it = torque(&client.request_one(pushed(0))?)?;
             let is_flagged = it.status.flags == TorqueFlags::SATURATED;
             expect(is_flagged || free_nm == 0.0, "SATURATED at the start of every run", it)?;
@@ -184,7 +174,7 @@ fn extreme(client: &mut Client) -> RuleResult {
         if names(&answers) == ["TorqueAnswer"] {
             let bounded = it.torque_nm.is_finite() && it.torque_nm.abs() <= limit_nm;
             expect(bounded, format!("{what}: at most {limit_nm} N m"), it)?;
-            equal(&format!("{what}: state"), State::Running, it.status.state)?;
+            equal(&format!("{what}: state"), Running, it.status.state)?;
             let is_limit = it.torque_nm.abs() == limit_nm;
             let expected = format!("{what}: SATURATED only at the limit of {limit_nm} N m");
             expect(is_limit || it.status.flags.is_empty(), expected, it)?;
@@ -192,7 +182,7 @@ fn extreme(client: &mut Client) -> RuleResult {
         }
         equal(&format!("{what}: answers"), vec!["TorqueAnswer", "FaultReport"], names(&answers))?;
         let got = (it.torque_nm, it.status.state, it.status.flags);
-        equal(&what, (0.0, State::Faulted, TorqueFlags::empty()), got)?;
+        equal(&what, (0.0, Faulted, NONE), got)?;
         let it = fault(&answers)?;
         let got = (it.code, it.sequence, it.limit, it.detail);
         let wanted = (FaultCode::TorqueNotFinite, 0, limit_nm, 0);
@@ -206,10 +196,10 @@ fn extreme(client: &mut Client) -> RuleResult {
 fn ends_of_torque() -> impl Iterator<Item = Check> {
     type End = (&'static str, fn(u32) -> HostMessage, State);
     const ENDS: [End; 4] = [
-        ("Stop", |_| Stop {}.into(), State::Idle),
-        ("EmergencyStop", |_| EmergencyStop {}.into(), State::Faulted),
-        ("a new session", |session| hello(session ^ 1).into(), State::Idle),
-        ("Reset", |_| Reset {}.into(), State::Boot),
+        ("Stop", |_| Stop {}.into(), Idle),
+        ("EmergencyStop", |_| EmergencyStop {}.into(), Faulted),
+        ("a new session", |session| hello(session ^ 1).into(), Idle),
+        ("Reset", |_| Reset {}.into(), Boot),
     ];
     ENDS.into_iter().map(|(name, end, state)| {
         check("R6.1 R7.19", format!("{name} takes the torque away"), move |client| {
@@ -217,17 +207,17 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
             let first = first_sample(client)?;
             expect(first.torque_nm != 0.0, "a torque in N m while running", first.torque_nm)?;
             client.request(end(client.session))?;
-            if state == State::Boot {
+            if state == Boot {
                 return equal("answers", vec!["CommandResult"], names(&client.sample(1)?));
             }
             // The next sample, the last one again, and a first one.
             [1, 0].into_iter().try_for_each(|sequence| no_torque(client, sequence, state))?;
-            if state == State::Faulted {
+            if state == Faulted {
                 client.command(ClearFault {})?;
-                return no_torque(client, 1, State::Idle);
+                return no_torque(client, 1, Idle);
             }
             client.idle()?;
-            no_torque(client, 1, State::Idle)
+            no_torque(client, 1, Idle)
         })
     })
 }

@@ -6,9 +6,9 @@ mod limits;
 mod timing;
 mod watchdog;
 
-use super::check::Check;
+use crate::prelude::checks::*;
 
-pub(super) use timing::{fault_report, in_time, nearly_in_time};
+pub(super) use timing::{in_time, nearly_in_time};
 pub(super) use watchdog::FEEDS;
 
 pub(super) fn checks() -> Vec<Check> {

@@ -3,33 +3,15 @@
 //! Real time passes in these checks, so the watchdogs are short. A wait that a busy bench may have stretched is tried again
 //! before it counts against the drive.
 
-use std::time::{Duration, Instant};
-
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EnterLoader,
-    FaultReport, GetParameter, Reference, SetParameter, Start, Stop, Subscribe,
-};
-use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
-
-use super::super::answers::{counted, fault, hello, other, sample};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::encoders::setup::Setup;
 use super::super::judge::ATTEMPTS;
-use super::super::moment::Moment;
-use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
+use super::super::reactions::reported_to;
 use super::super::receiver::framed;
-use super::super::words::Words;
 use super::faults::stays_latched;
 use super::late;
 use super::timing::{
-    CLOCK_TOLERANCE, LONGEST_ATTEMPT, NAME, QUICK, fault_report, in_time, micros, nearly_in_time, start_with,
-    too_busy,
+    CLOCK_TOLERANCE, LONGEST_ATTEMPT, QUICK, in_time, micros, nearly_in_time, start_with, too_busy,
 };
+use crate::prelude::checks::*;
 
 /// Watchdog of most of these checks: short for a quick check, long enough for the first sample of a busy bench.
 const WATCHDOG: Duration = Duration::from_millis(100);
@@ -56,34 +38,33 @@ pub(super) fn checks() -> Vec<Check> {
             trips_in_time,
         ),
         check("R8.5 R6.9", "the watchdog runs from the Start, and in no other state", |client| {
-            stays(client, State::Boot)?;
+            stays(client, Boot)?;
             client.idle()?;
-            client.put(NAME, micros(WATCHDOG))?;
-            stays(client, State::Idle)?;
+            client.put(WATCHDOG_US, micros(WATCHDOG))?;
+            stays(client, Idle)?;
             client.arm()?;
-            stays(client, State::Armed)?;
+            stays(client, Armed)?;
             let before = client.line.now();
             client.start()?;
             let it = tripped(client, WATCHDOG, 0, before)?.report;
             stays_latched(client, it)?;
-            equal("ClearFault", (Outcome::Accepted, State::Idle), client.command(ClearFault {})?)?;
-            stays(client, State::Idle)
+            equal("ClearFault", (Accepted, Idle), client.command(ClearFault {})?)?;
+            stays(client, Idle)
         }),
         check("R8.5", "Stop and a new session end the watchdog", |client| {
             start_with(client, WATCHDOG)?;
             client.command(Stop {})?;
-            stays(client, State::Idle)?;
-            client.arm()?;
-            client.start()?;
+            stays(client, Idle)?;
+            client.arm_and_start()?;
             first_sample(client)?;
             client.request(hello(client.session ^ 1))?;
-            stays(client, State::Idle)
+            stays(client, Idle)
         }),
         check("R8.2", "after the watchdog has tripped there is no torque", |client| {
             start_with(client, WATCHDOG)?;
             let before = client.line.now();
             let it = tripped(client, WATCHDOG, 0, before)?.report;
-            [1, 0, 2].into_iter().try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
+            [1, 0, 2].into_iter().try_for_each(|sequence| no_torque(client, sequence, Faulted))?;
             still_reported(client, it)
         }),
         check(
@@ -102,7 +83,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 /// Requires that time passes in `state` without a fault.
 fn stays(client: &mut Client, state: State) -> RuleResult {
-    let news = client.wait_for(QUIET, fault_report)?;
+    let news = client.wait_for(QUIET, of::<FaultReport>)?;
     expect(news.is_none(), format!("no FaultReport in {state:?}"), news)?;
     client.request_bytes(&[])?;
     equal("state", state, client.state)
@@ -118,14 +99,14 @@ struct Trip {
 /// Requires the report of a watchdog, not early. `before` is a time before the drive received the last accepted sample.
 fn tripped(client: &mut Client, limit: Duration, sequence: u16, before: Instant) -> Result<Trip, Failure> {
     let after = client.line.now();
-    let found = client.wait_for(limit + PATIENCE, fault_report)?;
+    let found = client.wait_for(limit + PATIENCE, of::<FaultReport>)?;
     judged(client, limit, sequence, [before, after], found)
 }
 
 /// As [`tripped`], with frames that must not feed the watchdog after three quarters of its time.
 fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) -> Result<Trip, Failure> {
     let after = client.line.now();
-    let mut found = client.wait_for(limit.mul_f64(0.75), fault_report)?;
+    let mut found = client.wait_for(limit.mul_f64(0.75), of::<FaultReport>)?;
     // On a busy bench the watchdog may trip here, and would be cleared.
     if found.is_none() && client.line.now().saturating_duration_since(after) < limit.mul_f64(0.85) {
         client.request(ClearFault {})?;
@@ -133,11 +114,11 @@ fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) 
     for (_, _, feed) in FEEDS {
         for count in 0..5 {
             let answers = client.request_bytes(&feed(client, count))?;
-            found = found.or(answers.iter().find_map(fault_report));
+            found = found.or(answers.iter().find_map(of::<FaultReport>));
         }
     }
     if found.is_none() {
-        found = client.wait_for(limit + PATIENCE, fault_report)?;
+        found = client.wait_for(limit + PATIENCE, of::<FaultReport>)?;
     }
     judged(client, limit, 2, [before, after], found)
 }
@@ -167,7 +148,7 @@ fn judged(
     let least = limit.mul_f64(1.0 - CLOCK_TOLERANCE);
     let expected = format!("the FaultReport {} after the last accepted sample or later", least.words());
     expect(longest >= least, expected, longest)?;
-    equal("to the FaultReport, state", State::Faulted, {
+    equal("to the FaultReport, state", Faulted, {
         client.request_bytes(&[])?;
         client.state
     })?;
@@ -181,9 +162,9 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
         start_with(client, LONGER)?;
         // The silence counts from the last sample, not from the first.
         client.wait_for(WATCHDOG.mul_f64(1.5), |_| None::<()>)?;
-        accepted(client, sample(1), TorqueFlags::empty())?;
+        accepted(client, sample(1), NONE)?;
         let before = client.line.now();
-        accepted(client, sample(2), TorqueFlags::empty())?;
+        accepted(client, sample(2), NONE)?;
         let trip = tripped_through_feeds(client, LONGER, before)?;
         client.note = format!("tripped {:.1} ms after the last sample, device time", 1e3 * trip.report.value);
         if trip.waited <= latest {
@@ -194,13 +175,12 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
         client.reset()?;
     }
     client.command(ClearFault {})?;
-    client.put(NAME, micros(WATCHDOG))?;
-    client.arm()?;
-    client.start()?;
+    client.put(WATCHDOG_US, micros(WATCHDOG))?;
+    client.arm_and_start()?;
     first_sample(client)?;
-    accepted(client, sample(1), TorqueFlags::empty())?;
+    accepted(client, sample(1), NONE)?;
     let before = client.line.now();
-    accepted(client, sample(2), TorqueFlags::empty())?;
+    accepted(client, sample(2), NONE)?;
     let it = tripped(client, WATCHDOG, 2, before)?.report;
     reported_to(client, client.session ^ 1, it)
 }
@@ -215,7 +195,7 @@ fn far_into_a_run(client: &mut Client) -> RuleResult {
         );
     }
     setup.allowed(client)?;
-    client.running(&[&setup.settings()[..], &[(NAME, micros(WATCHDOG))]].concat())?;
+    client.running(&[&setup.settings()[..], &[(WATCHDOG_US, micros(WATCHDOG))]].concat())?;
     first_sample(client)?;
     let (mut sequence, mut before) = (0, client.line.now());
     while sequence < 1 << 15 {
@@ -233,9 +213,9 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
         client.idle()?;
         // Longer each time, so that a busy bench sends them in time.
         let watchdog = WATCHDOG * 2_u32.pow(attempt);
-        client.put(NAME, micros(watchdog))?;
+        client.put(WATCHDOG_US, micros(watchdog))?;
         // A limited torque counts as well as any.
-        client.put(TORQUE_LIMIT_NM, ParameterValue::F32(0.0))?;
+        client.put(TORQUE_LIMIT_NM, F32(0.0))?;
         client.arm()?;
         let (mut sent, mut longest) = (client.line.now(), Duration::ZERO);
         client.start()?;
@@ -249,7 +229,7 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
             client.torque(sequence + sequence.saturating_sub(QUICK))?;
             longest = longest.max(client.line.now().saturating_duration_since(earlier));
         }
-        if client.state == State::Running {
+        if client.state == Running {
             return Ok(());
         }
         let least = watchdog.mul_f64(1.0 - CLOCK_TOLERANCE);
@@ -291,20 +271,26 @@ pub(crate) const FEEDS: [(&str, &str, Feed); 5] = [
 /// Stray samples from the start on, as the first one is 0.
 fn strays_first(client: &mut Client) -> RuleResult {
     client.idle()?;
-    client.put(NAME, micros(WATCHDOG))?;
+    client.put(WATCHDOG_US, micros(WATCHDOG))?;
     client.arm_if_consistent()?;
     client.start()?;
+    unfed(client, 0, |_, count| frame(sample(5000_u16.wrapping_add(count as u16))))
+}
+
+/// Requires the watchdog to trip through these writes. `last` is the sequence of the last accepted sample.
+fn unfed(client: &mut Client, last: u16, feed: Feed) -> RuleResult {
     let begun = Moment::latest(client);
-    for sequence in 5000.. {
-        if client.state != State::Running || begun.elapsed(client) >= WATCHDOG + PATIENCE {
+    for count in 0.. {
+        if client.state != Running || begun.elapsed(client) >= WATCHDOG + PATIENCE {
             break;
         }
-        client.request_bytes(&frame(sample(sequence)))?;
+        client.request_bytes(&feed(client, count))?;
+        // Time passes for a drive in process only while the bench waits.
         client.wait_for(INTERVAL, |_| None::<()>)?;
     }
-    equal("state after the watchdog's time", State::Faulted, client.state)?;
+    equal("state after the watchdog's time", Faulted, client.state)?;
     let it = fault(&client.request(hello(client.session))?)?;
-    equal("code and sequence", (FaultCode::Watchdog, 0), (it.code, it.sequence))
+    equal("code and sequence", (FaultCode::Watchdog, last), (it.code, it.sequence))
 }
 
 fn feeds() -> impl Iterator<Item = Check> {
@@ -312,20 +298,9 @@ fn feeds() -> impl Iterator<Item = Check> {
         check(rules, name, move |client| {
             start_with(client, WATCHDOG)?;
             for sequence in 1..3 {
-                accepted(client, sample(sequence), TorqueFlags::empty())?;
+                accepted(client, sample(sequence), NONE)?;
             }
-            let begun = Moment::latest(client);
-            for count in 0.. {
-                if client.state != State::Running || begun.elapsed(client) >= WATCHDOG + PATIENCE {
-                    break;
-                }
-                client.request_bytes(&feed(client, count))?;
-                // Time passes for a drive in process only while the bench waits.
-                client.wait_for(INTERVAL, |_| None::<()>)?;
-            }
-            equal("state after the watchdog's time", State::Faulted, client.state)?;
-            let it = fault(&client.request(hello(client.session))?)?;
-            equal("code and sequence", (FaultCode::Watchdog, 2), (it.code, it.sequence))
+            unfed(client, 2, feed)
         })
     })
 }
@@ -337,7 +312,7 @@ fn frame(message: impl Into<HostMessage>) -> Vec<u8> {
 /// Requests that a running drive accepts or refuses without a change, a few at a time.
 fn requests(client: &Client, count: usize) -> Vec<u8> {
     let session = client.session;
-    let index = client.parameter(NAME).map_or(0, |it| it.index);
+    let index = client.parameter(WATCHDOG_US).map_or(0, |it| it.index);
     let live = client.description.parameters.iter().find(|it| it.live);
     let live = live.map_or(SetParameter { index, value: micros(WATCHDOG) }, |it| SetParameter {
         index: it.index,

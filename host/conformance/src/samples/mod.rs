@@ -5,17 +5,7 @@ mod repeats;
 pub(super) mod runs;
 mod sequence;
 
-use std::time::Duration;
-
-use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, Stop};
-use lashloop_protocol::parameter_names::CONTROLLER;
-
-use super::answers::{hello, sample, torque};
-use super::assertion::{RuleResult, expect};
-use super::check::{Check, check};
-use super::client::Client;
-use super::reactions::accepted;
+use crate::prelude::checks::*;
 use runs::{equal_torques, torques_of_a_run};
 
 /// Tolerated error of the drive's clock, as a fraction.
@@ -26,7 +16,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("R7.2 R4.11 R10.4", "while running a sample gets a torque with its sequence", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
-                let answer = accepted(client, sample(sequence), TorqueFlags::empty())?;
+                let answer = accepted(client, sample(sequence), NONE)?;
                 let pushes = sequence > 0 || answer.torque_nm != 0.0;
                 expect(pushes, "a torque in N m for a load 1 rad off its reference", answer.torque_nm)?;
             }
@@ -79,9 +69,7 @@ fn every_law(client: &mut Client) -> RuleResult {
     for law in client.description.laws.clone() {
         client.reset()?;
         client.long_watchdog()?;
-        if client.description.laws.len() > 1 {
-            client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
-        }
+        client.put_law(law.index)?;
         let first = torques_of_a_run(client, |_, _| Ok(()))?;
         client.command(Stop {})?;
         let again = torques_of_a_run(client, |_, _| Ok(()))?;

@@ -1,24 +1,15 @@
 //! Samples outside `Running`.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
-
-use super::super::answers::{fault, outcome, sample, torque};
-use super::super::assertion::{RuleResult, equal, expect, names};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::encoders::setup::Setup;
-use super::super::reactions::{accepted, first_sample, no_torque};
+use crate::prelude::checks::*;
+use crate::reactions::no_torque_to;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("R7.19", "a sample before the handshake is refused", |client| {
             for sequence in [0, 1] {
-                let answers = client.sample(sequence)?;
-                equal("answers", vec!["CommandResult"], names(&answers))?;
+                let answers = of_kinds("answers", &["CommandResult"], client.sample(sequence)?)?;
                 let got = (outcome::<EncoderSample>(&answers)?, client.state);
-                equal("outcome and state", (Outcome::WrongState, State::Boot), got)?;
+                equal("outcome and state", (WrongState, Boot), got)?;
             }
             Ok(())
         }),
@@ -27,34 +18,34 @@ pub(super) fn checks() -> Vec<Check> {
             setup.start(client)?;
             let fresh = first_sample(client)?;
             for sequence in [1, 2] {
-                accepted(client, sample(sequence), TorqueFlags::empty())?;
+                accepted(client, sample(sequence), NONE)?;
             }
             client.command(Stop {})?;
-            odd_samples(client, State::Idle)?;
+            odd_samples(client, Idle)?;
             // The second time after a Stop that Faulted refuses, and a sample.
             for _ in 0..2 {
                 let report = fault(&client.request(EmergencyStop {})?)?;
                 equal("last sample accepted, in the report of an EmergencyStop", 2, report.sequence)?;
                 client.request(Stop {})?;
-                no_torque(client, 777, State::Faulted)?;
+                no_torque(client, 777, Faulted)?;
             }
             client.command(ClearFault {})?;
             client.arm()?;
-            odd_samples(client, State::Armed)?;
+            odd_samples(client, Armed)?;
             let report = fault(&client.request(EmergencyStop {})?)?;
             equal("last sample accepted, in the report of an EmergencyStop in Armed", 2, report.sequence)?;
             client.command(ClearFault {})?;
             client.arm()?;
-            odd_samples(client, State::Armed)?;
+            odd_samples(client, Armed)?;
             client.start()?;
-            let first = accepted(client, sample(0), TorqueFlags::empty())?;
+            let first = accepted(client, sample(0), NONE)?;
             let same = fresh.torque_nm.to_bits() == first.torque_nm.to_bits();
             let expected = format!("the torque of the run before, {} N m", fresh.torque_nm);
             expect(same, expected, first.torque_nm)?;
-            accepted(client, sample(1), TorqueFlags::empty()).map(drop)
+            accepted(client, sample(1), NONE).map(drop)
         }),
     ];
-    for state in [State::Idle, State::Armed, State::Faulted] {
+    for state in [Idle, Armed, Faulted] {
         let name = format!("a sample gets torque zero in {state:?}");
         checks.push(check("R7.19 R6.1", name, move |client| {
             client.enter(state)?;
@@ -76,12 +67,7 @@ fn odd_samples(client: &mut Client, state: State) -> RuleResult {
         (u16::MAX, far, 0.0),
     ] {
         let odd = EncoderSample { sequence, motor_counts: counts, load_counts: counts, reference_rad };
-        let answers = client.request(odd)?;
-        equal(&format!("to sample {sequence} in {state:?}"), vec!["TorqueAnswer"], names(&answers))?;
-        let it = torque(&answers)?;
-        let wanted = (sequence, 0.0, state, TorqueFlags::empty());
-        let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
-        equal("sequence, torque in N m, state and flags", wanted, got)?;
+        no_torque_to(client, odd, state)?;
         equal("state afterwards", state, client.state)?;
     }
     Ok(())

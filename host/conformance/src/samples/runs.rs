@@ -1,14 +1,6 @@
 //! Runs whose torques are compared.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::TorqueFlags;
-use lashloop_protocol::message::EncoderSample;
-
-use crate::answers::sample;
-use crate::assertion::{Failure, RuleResult, expect, skip};
-use crate::client::Client;
-use crate::encoders::setup::Setup;
-use crate::reactions::accepted;
+use crate::prelude::checks::*;
 
 /// Steps after which any controller state shows in the torque.
 const STEPS: u16 = 20;
@@ -36,12 +28,11 @@ pub(crate) fn torques_of_a_run(
     client: &mut Client,
     after_each: impl Fn(&mut Client, &EncoderSample) -> RuleResult,
 ) -> Result<Vec<u32>, Failure> {
-    client.arm()?;
-    client.start()?;
+    client.arm_and_start()?;
     let mut torques = Vec::new();
     for sequence in 0..STEPS {
         let sample = moving(sequence);
-        torques.push(accepted(client, sample, TorqueFlags::empty())?.torque_nm.to_bits());
+        torques.push(accepted(client, sample, NONE)?.torque_nm.to_bits());
         after_each(client, &sample)?;
     }
     Ok(torques)

@@ -1,18 +1,8 @@
 //! The sequence of samples: first, next, after a gap, stray.
 
-use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::TorqueFlags;
-use lashloop_protocol::message::{EncoderSample, Stop};
-
-use super::super::answers::sample;
-use super::super::assertion::RuleResult;
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::encoders::setup::Setup;
-use super::super::reactions::{accepted, first_sample, refused, refused_sample};
+use super::super::reactions::refused;
 use super::runs::{equal_torques, start_with_gaps, torques_of_a_run};
-
-const NONE: TorqueFlags = TorqueFlags::empty();
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -24,8 +14,7 @@ pub(super) fn checks() -> Vec<Check> {
                 accepted(client, sample(sequence), NONE)?;
             }
             client.command(Stop {})?;
-            client.arm()?;
-            client.start()?;
+            client.arm_and_start()?;
             // The last sample of the run before, and the one after it.
             [2, 3, 1].into_iter().try_for_each(|sequence| refused_sample(client, sequence))?;
             [0, 1].into_iter().try_for_each(|sequence| accepted(client, sample(sequence), NONE).map(drop))

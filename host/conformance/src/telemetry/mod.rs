@@ -5,18 +5,7 @@ mod refusals;
 pub(super) mod subscription;
 mod values;
 
-use lashloop_protocol::enums::{FaultCode, ParameterValue, State};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
-
-use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
-
-use super::answers::{hello, other, sample};
-use super::assertion::{RuleResult, equal, skip};
-use super::check::{Check, check};
-use super::client::Client;
-use super::encoders::setup::Setup;
-use super::reactions::{fault_answer, no_torque};
-
+use crate::prelude::checks::*;
 use subscription::{BOTH, TORQUE, accepted, carries, follows, lowest, running_with, signals};
 
 pub(super) fn checks() -> Vec<Check> {
@@ -94,7 +83,7 @@ pub(super) fn checks() -> Vec<Check> {
             let signals = signals(client)?;
             client.armed()?;
             accepted(client, signals, 2)?;
-            no_torque(client, 0, State::Armed)?;
+            no_torque(client, 0, Armed)?;
             client.start()?;
             carries(client, 0, signals.count_ones())?;
             follows(client, 1, TORQUE)?;
@@ -104,7 +93,7 @@ pub(super) fn checks() -> Vec<Check> {
             let signals = signals(client)?;
             client.idle()?;
             accepted(client, signals, 1)?;
-            client.running_if_consistent(&[(TORQUE_LIMIT_NM, ParameterValue::F32(0.0))])?;
+            client.running_if_consistent(&[(TORQUE_LIMIT_NM, F32(0.0))])?;
             (0..3).try_for_each(|sequence| carries(client, sequence, signals.count_ones()))
         }),
         check("R11.7", "a subscription while running replaces the former from the next sample", replaced),
@@ -187,8 +176,7 @@ fn outlives(client: &mut Client) -> RuleResult {
     running_with(client, signals, 2)?;
     goes_on(client)?;
     client.request(Stop {})?;
-    client.arm()?;
-    client.start()?;
+    client.arm_and_start()?;
     goes_on(client)?;
     // A new session ends the run. `running` opens the session of this battery again, which is another one.
     client.request(hello(client.session ^ 1))?;
@@ -216,5 +204,5 @@ fn replaced(client: &mut Client) -> RuleResult {
     follows(client, 4, TORQUE)?;
     accepted(client, signals, 0)?;
     follows(client, 5, TORQUE)?;
-    equal("state", State::Running, client.state)
+    equal("state", Running, client.state)
 }

@@ -1,24 +1,11 @@
 //! Subscriptions that a drive refuses, in the order of its checks. None may change the subscription.
 
-use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{Capabilities, Outcome, ParameterValue, State};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Stop, Subscribe};
-use lashloop_protocol::parameter_names::{CONTROLLER, SAMPLE_SOURCE, WATCHDOG_US};
-use lashloop_protocol::wire::Payload;
-
 use lashloop_session::DriveSignal;
 
-use super::super::answers::{command_result, line_report};
-use super::super::assertion::{RuleResult, equal, expect, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::exchanges::{Exchange, reads, refused, result};
+use super::super::exchanges::refused;
 use super::super::pins::{has, widest_duties};
 use super::subscription::{TORQUE, accepted, carries, follows, law_signals, lowest, signals};
-
-use Outcome::{Accepted, OutOfRange, SignalOfOtherLaw, UnknownIndex, WrongState};
-use State::{Armed, Boot, Faulted, Idle, Running};
+use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -53,22 +40,19 @@ pub(super) fn checks() -> Vec<Check> {
             let last = &of_law[of_law.len() - MAX_TELEMETRY_VALUES..];
             let signals = last.iter().fold(0, |all, index| all | 1 << index);
             client.idle()?;
-            in_force(client, law)?;
+            client.put_law(law)?;
             accepted(client, signals, 1)?;
             client.running(&[])?;
             carries(client, 0, MAX_TELEMETRY_VALUES as u32)
         }),
         check("R6.4 R11.8", "Subscribe is refused for the state before all other reasons", |client| {
-            for state in [Boot, Faulted] {
-                client.reset()?;
-                client.enter(state)?;
+            client.in_states(&[Boot, Faulted], |client, state| {
                 let masks = [0, 1, 1 << 31, u32::MAX, (1 << (MAX_TELEMETRY_VALUES + 1)) - 1];
                 let refused = masks
                     .into_iter()
                     .map(|signals| result(Subscribe { signals, every: 1 }, WrongState, state));
-                client.exchange(&format!("in {state:?}"), &refused.collect::<Vec<_>>())?;
-            }
-            Ok(())
+                client.exchange(&format!("in {state:?}"), &refused.collect::<Vec<_>>())
+            })
         }),
         check("R11.6", "a refused Subscribe in Boot and Faulted changes nothing", |client| {
             let known = signals(client)?;
@@ -93,14 +77,6 @@ pub(super) fn checks() -> Vec<Check> {
 /// The bits of no signal.
 fn unknown(client: &Client) -> u32 {
     u32::MAX.checked_shl(client.identity.signal_count.into()).unwrap_or(0)
-}
-
-/// Puts a law in force; a drive with one law may have no parameter for it.
-fn in_force(client: &mut Client, law: u8) -> RuleResult {
-    match client.description.laws.len() {
-        1 => Ok(()),
-        _ => client.put(CONTROLLER, ParameterValue::U32(law.into())),
-    }
 }
 
 /// Subscribes to `known`, then to each of `refused`, and requires the telemetry of the first subscription: after refusals in
@@ -157,7 +133,7 @@ fn lacking(client: &mut Client) -> RuleResult {
     let session = client.session;
     client.running(&[])?;
     client.request(Stop {})?;
-    in_force(client, law)?;
+    client.put_law(law)?;
     let watchdog = client.parameter(WATCHDOG_US)?.index;
     let kept = client.get(watchdog)?.value;
     // Beside a signal that the law has.
@@ -182,14 +158,14 @@ fn lacking(client: &mut Client) -> RuleResult {
     expect(went_on, format!("more than {} messages after the refused Arm", before.messages), after.messages)?;
     client.exchange("after the refused Arm", &[reads(watchdog, kept, Idle)])?;
     // State and session come first.
-    client.exchange("in Idle", &[result(Arm { session: session ^ 1 }, Outcome::WrongSession, Idle)])?;
+    client.exchange("in Idle", &[result(Arm { session: session ^ 1 }, WrongSession, Idle)])?;
     // The refusal keeps the subscription, which another law has.
     if let Some(other_law) = other_law {
-        in_force(client, other_law)?;
+        client.put_law(other_law)?;
         client.running(&[])?;
         carries(client, 0, 1)?;
         client.request(Stop {})?;
-        in_force(client, law)?;
+        client.put_law(law)?;
     }
     client.request(EmergencyStop {})?;
     client.exchange("in Faulted", &[result(Arm { session }, WrongState, Faulted)])?;
@@ -215,11 +191,11 @@ fn of_other_law_on_pins(client: &mut Client, lacked: &DriveSignal) -> RuleResult
     widest_duties(client)?;
     let answers = client.request(Arm { session: client.session })?;
     let it = command_result(&Arm::LAYOUT, &answers)?;
-    if !matches!(it.outcome, Outcome::EncoderImplausible | Outcome::PowerStageFault) {
+    if !matches!(it.outcome, EncoderImplausible | PowerStageFault) {
         let wanted = (SignalOfOtherLaw, u32::from(lacked.index));
         equal("to Arm in bench mode, outcome and detail", wanted, (it.outcome, it.detail))?;
     }
-    client.put(SAMPLE_SOURCE, ParameterValue::U32(0))
+    client.put(SAMPLE_SOURCE, U32(0))
 }
 
 /// Requires the refusal with `SignalOfOtherLaw` in this state, with the index of the signal.

@@ -1,14 +1,6 @@
 //! Subscriptions, and the telemetry that must follow a torque.
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::Outcome;
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::Subscribe;
-
-use super::super::answers::{sample, telemetry};
-use super::super::assertion::{Failure, RuleResult, equal, names, skip};
-use super::super::client::Client;
-use super::super::exchanges::result;
+use crate::prelude::checks::*;
 
 pub(super) const TORQUE: &[&str] = &["TorqueAnswer"];
 pub(super) const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
@@ -33,7 +25,7 @@ pub(crate) fn law_signals(client: &Client, law: u8) -> Vec<u8> {
 
 pub(super) fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
     let state = client.state;
-    client.exchange("before", &[result(Subscribe { signals, every }, Outcome::Accepted, state)])
+    client.exchange("before", &[result(Subscribe { signals, every }, Accepted, state)])
 }
 
 /// The signal of a subscription with the lowest index, alone.
@@ -50,21 +42,15 @@ pub(super) fn running_with(client: &mut Client, signals: u32, every: u16) -> Rul
 /// Requires answers of these kinds to a sample, and its sequence in the telemetry.
 pub(super) fn follows(client: &mut Client, sequence: u16, kinds: &[&'static str]) -> RuleResult {
     let answers = client.request_to(sample(sequence), kinds.last().copied().unwrap_or_default())?;
-    equal(&format!("to sample {sequence}"), kinds.to_vec(), names(&answers))?;
-    sequences(sequence, &answers)
-}
-
-fn sequences(sequence: u16, answers: &[DriveMessage]) -> RuleResult {
-    answers.iter().try_for_each(|answer| match answer {
-        DriveMessage::Telemetry(it) => equal("sequence of the telemetry", sequence, it.sequence),
-        _ => Ok(()),
-    })
+    let answers = of_kinds(&format!("to sample {sequence}"), kinds, answers)?;
+    let mut telemetry = answers.iter().filter_map(of::<Telemetry>);
+    telemetry.try_for_each(|it| equal("sequence of the telemetry", sequence, it.sequence))
 }
 
 /// Requires telemetry of this many values with the torque of a sample.
 pub(super) fn carries(client: &mut Client, sequence: u16, count: u32) -> RuleResult {
     let answers = client.request_to(sample(sequence), BOTH[BOTH.len() - 1])?;
-    equal(&format!("to sample {sequence}"), BOTH.to_vec(), names(&answers))?;
+    let answers = of_kinds(&format!("to sample {sequence}"), BOTH, answers)?;
     let values = telemetry(&answers)?.values.as_slice().len();
     equal(&format!("values in the telemetry of sample {sequence}:"), count as usize, values)
 }

@@ -1,14 +1,7 @@
 //! The values of telemetry: one for each signal, in order, of the sample itself.
 
-use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
-use lashloop_protocol::message::{EncoderSample, Stop};
-
-use super::super::answers::{sample, telemetry, torque};
-use super::super::assertion::{Failure, RuleResult, broken, equal, expect, skip};
-use super::super::check::{Check, check};
-use super::super::client::Client;
-use super::super::words::{Bits, Words};
 use super::subscription::{accepted, running_with, signals};
+use crate::prelude::checks::*;
 
 /// Samples of a run.
 const STEPS: u16 = 5;
@@ -152,7 +145,7 @@ fn requested_torque(client: &mut Client) -> RuleResult {
     })?;
     let Some(free_nm) = first else { return Ok(()) };
     client.request(Stop {})?;
-    client.running_if_consistent(&[("torque_limit_nm", ParameterValue::F32(free_nm.abs() / 4.0))])?;
+    client.running_if_consistent(&[("torque_limit_nm", F32(free_nm.abs() / 4.0))])?;
     let reference_rad = REFERENCES_RAD[0];
     let answers = client.request(EncoderSample { reference_rad, ..sample(0) })?;
     // A law that knows the limit may keep within it.

@@ -51,6 +51,7 @@ pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
     };
     parameters.retain(|it| it.name != TWIST_LIMIT_RAD);
     parameters.push(ParameterSetting {
+        section: "bench",
         name: TWIST_LIMIT_RAD.to_owned(),
         value: ParameterValue::Number(given_rad.max(explained_rad)),
         origin: Origin::Option("lashloop commission".into()),

@@ -25,36 +25,22 @@ use serde::Deserialize;
 use self::model::Model;
 use super::power_stage::{TORQUE_DELAY_US, instruments};
 
-/// The interval of one key of the plant.
-#[derive(Debug, Clone, PartialEq)]
-struct KeyInterval {
-    key: String,
-    below: f64,
-    above: f64,
-}
-
-/// What the plant may differ by from its model.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// What the plant may differ by from its model: the part of `estimates.json` that the gate reads.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(expecting = "struct Estimates")]
 pub struct Intervals {
-    keys: Vec<KeyInterval>,
+    quantities: Vec<Quantity>,
     /// Those of the commissioning; `None` for those of the scenario.
     instruments: Option<Instruments>,
 }
 
-/// The part of `estimates.json` that the gate reads.
-#[derive(Deserialize)]
-struct Estimates {
-    quantities: Vec<Quantity>,
-    instruments: Option<Instruments>,
-}
-
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 struct Quantity {
     name: String,
     estimate: Option<Interval>,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 struct Interval {
     value: f64,
     low: f64,
@@ -66,17 +52,11 @@ struct Interval {
 /// # Errors
 /// The file can't be read or isn't a file of `identify` or `commission`.
 pub fn intervals(path: &Path) -> io::Result<Intervals> {
-    let Estimates { quantities, instruments } =
-        serde_json::from_slice(&fs::read(path)?).map_err(|error| {
-            io::Error::other(format!(
-                "it isn't an estimates.json of `lashloop commission` or `lashloop identify`: {error}"
-            ))
-        })?;
-    let interval = |Quantity { name: key, estimate }| {
-        let Interval { value, low, high } = estimate?;
-        Some(KeyInterval { key, below: value - low, above: high - value })
-    };
-    Ok(Intervals { keys: quantities.into_iter().filter_map(interval).collect(), instruments })
+    serde_json::from_slice(&fs::read(path)?).map_err(|error| {
+        io::Error::other(format!(
+            "it isn't an estimates.json of `lashloop commission` or `lashloop identify`: {error}"
+        ))
+    })
 }
 
 /// Where the recorded motion leaves the model the furthest, against its band.
@@ -121,10 +101,12 @@ pub fn check(
         let own = || instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US);
         model.begin_as_bench(&intervals.instruments.unwrap_or_else(own), count_rad)?;
     }
-    for KeyInterval { key, below, above } in &intervals.keys {
+    for Quantity { name: key, estimate } in &intervals.quantities {
+        let Some(Interval { value: middle, low, high }) = estimate else { continue };
         let found = scenario.plant.values.iter().find(|(name, _)| name == key);
         let Some((name, PlantValue::Number(value))) = found else { continue };
-        model.vary(name, [value - below, value + above].map(PlantValue::Number))?;
+        let ends = [value - (middle - low), value + (high - middle)];
+        model.vary(name, ends.map(PlantValue::Number))?;
     }
     let period_s = scenario.run.control_period_s();
     let mut worst: Option<Departure> = None;

@@ -4,9 +4,10 @@ use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-use lashloop_identify::coverage::{Coverage, HiddenPlant, PERIOD_US, Shown};
 use lashloop_identify::excitation::{Commissioned, Limits, commission};
 use lashloop_identify::{Direction, Start};
+
+use crate::hidden_plants::{Coverage, HiddenPlant, Shown};
 
 /// The constants of the estimator were chosen on seeds 0 to 149, the width of the intervals with them.
 const SEEDS: Range<u64> = 5000..5050;
@@ -33,7 +34,8 @@ fn coverage(seeds: Range<u64>, noise_counts: f64) -> Coverage {
     for seed in seeds {
         let mut plant = HiddenPlant::draw(seed).with_noise(noise_counts);
         let instruments = plant.instruments();
-        let commissioned = commission(&mut plant, &instruments, &LIMITS, PERIOD_US, &Start::default());
+        let commissioned =
+            commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
         let Commissioned { identified, .. } =
             commissioned.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let shown = [identified.directions.motor, identified.directions.load];

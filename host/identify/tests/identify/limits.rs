@@ -1,10 +1,9 @@
 //! No motion goes beyond the limits that the user confirmed.
 
+use lashloop_identify::Start;
 use lashloop_identify::excitation::{CommissioningError, Limits, commission};
 
-use lashloop_identify::Start;
-
-use lashloop_identify::coverage::{HiddenPlant, PERIOD_US};
+use crate::hidden_plants::HiddenPlant;
 
 const WIDE: Limits =
     Limits { torque_nm: 20.0, motor_speed_rad_s: 400.0, load_speed_rad_s: 10.0, load_travel_rad: 1.5 };
@@ -12,7 +11,7 @@ const WIDE: Limits =
 fn error(limits: Limits) -> CommissioningError<lashloop_identify::SeriesError> {
     let mut plant = HiddenPlant::draw(3);
     let instruments = plant.instruments();
-    commission(&mut plant, &instruments, &limits, PERIOD_US, &Start::default())
+    commission(&mut plant, &instruments, &limits, HiddenPlant::PERIOD_US, &Start::default())
         .expect_err("a limit in the way")
 }
 
@@ -65,7 +64,7 @@ fn no_planned_torque_exceeds_the_torque_limit() {
     let instruments = plant.instruments();
     let mut watched = Watched(plant, 0.0);
     let limits = Limits { torque_nm: 4.5, ..WIDE };
-    commission(&mut watched, &instruments, &limits, PERIOD_US, &Start::default())
+    commission(&mut watched, &instruments, &limits, HiddenPlant::PERIOD_US, &Start::default())
         .expect("enough to move the load");
     assert!(watched.1 <= 4.5, "largest torque {} N m", watched.1);
 }

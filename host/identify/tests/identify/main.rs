@@ -1,5 +1,6 @@
 //! Identification of plants that the estimator does not know, from the counts of their encoders.
 
 mod coverage;
+mod hidden_plants;
 mod limits;
 mod observability;

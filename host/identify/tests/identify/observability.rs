@@ -3,7 +3,7 @@
 use lashloop_identify::excitation::{DriveTrain as _, Guard, PlannedMotion};
 use lashloop_identify::{Direction, IdentifyError, Instruments, Series, Start, directions, identify};
 
-use lashloop_identify::coverage::HiddenPlant;
+use crate::hidden_plants::HiddenPlant;
 
 /// A torque that swings within breakaway: the load stays at rest.
 fn swing_of_the_motor(plant: &mut HiddenPlant) -> Series {

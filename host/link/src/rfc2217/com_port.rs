@@ -18,52 +18,35 @@ const SET_LINE_STATE_MASK: u8 = 10;
 const SET_MODEM_STATE_MASK: u8 = 11;
 const PURGE: u8 = 12;
 
+/// Names of the settings, in the order of their commands.
+const NAMES: [&str; 4] = ["baud rate", "number of data bits", "parity code", "stop bit code"];
+
 /// A setting that the server confirms by its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Setting {
-    /// Bits per second.
-    BaudRate(u32),
-    /// Data bits per byte.
-    DataBits(u8),
-    /// 1: none.
-    Parity(u8),
-    /// 1: one stop bit.
-    StopBits(u8),
+pub struct Setting {
+    /// `SET_BAUD_RATE` to `SET_STOP_SIZE`.
+    pub(super) command: u8,
+    /// Its value as on the wire.
+    pub value: u32,
 }
 
 impl Setting {
     /// 8 data bits, no parity, one stop bit at `baud` bits per second.
     pub(super) fn all(baud: u32) -> [Self; 4] {
-        [Self::BaudRate(baud), Self::DataBits(8), Self::Parity(1), Self::StopBits(1)]
+        [(SET_BAUD_RATE, baud), (SET_DATA_SIZE, 8), (SET_PARITY, 1), (SET_STOP_SIZE, 1)]
+            .map(|(command, value)| Self { command, value })
     }
 
     /// Its name in an error message.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::BaudRate(_) => "baud rate",
-            Self::DataBits(_) => "number of data bits",
-            Self::Parity(_) => "parity code",
-            Self::StopBits(_) => "stop bit code",
-        }
+        NAMES[usize::from(self.command - SET_BAUD_RATE)]
     }
 
-    /// Its value as on the wire.
-    #[must_use]
-    pub fn value(self) -> u32 {
-        match self {
-            Self::BaudRate(baud) => baud,
-            Self::DataBits(value) | Self::Parity(value) | Self::StopBits(value) => value.into(),
-        }
-    }
-
-    pub(super) fn command(self) -> Command {
-        match self {
-            Self::BaudRate(baud) => to_server(SET_BAUD_RATE, &baud.to_be_bytes()),
-            Self::DataBits(value) => to_server(SET_DATA_SIZE, &[value]),
-            Self::Parity(value) => to_server(SET_PARITY, &[value]),
-            Self::StopBits(value) => to_server(SET_STOP_SIZE, &[value]),
-        }
+    /// A baud rate has four bytes, the others have one.
+    pub(super) fn request(self) -> Command {
+        let first = if self.command == SET_BAUD_RATE { 0 } else { 3 };
+        to_server(self.command, &self.value.to_be_bytes()[first..])
     }
 }
 
@@ -100,12 +83,10 @@ impl Report {
     /// Reads the content of a subnegotiation; `None` for a report that the bench does not need.
     pub(super) fn of(content: &[u8]) -> Option<Self> {
         let (&[COM_PORT, command], value) = content.split_first_chunk()? else { return None };
-        let first = value.first().copied();
+        let confirmed = |command, value| Self::Confirmed(Setting { command, value });
         Some(match command.checked_sub(BY_SERVER)? {
-            SET_BAUD_RATE => Self::Confirmed(Setting::BaudRate(u32::from_be_bytes(*value.first_chunk()?))),
-            SET_DATA_SIZE => Self::Confirmed(Setting::DataBits(first?)),
-            SET_PARITY => Self::Confirmed(Setting::Parity(first?)),
-            SET_STOP_SIZE => Self::Confirmed(Setting::StopBits(first?)),
+            SET_BAUD_RATE => confirmed(SET_BAUD_RATE, u32::from_be_bytes(*value.first_chunk()?)),
+            command @ SET_BAUD_RATE..=SET_STOP_SIZE => confirmed(command, (*value.first()?).into()),
             PURGE => Self::Purged,
             FLOW_SUSPEND => Self::Suspended(true),
             FLOW_RESUME => Self::Suspended(false),
@@ -121,15 +102,15 @@ mod tests {
     #[test]
     fn a_baud_rate_is_four_bytes_big_endian() {
         let mut bytes = Vec::new();
-        Setting::BaudRate(921_600).command().append_to(&mut bytes);
+        Setting::all(921_600)[0].request().append_to(&mut bytes);
         assert_eq!(bytes, [255, 250, 44, 1, 0, 14, 16, 0, 255, 240]);
         let confirmed = Report::of(&[44, 101, 0, 14, 16, 0]);
-        assert_eq!(confirmed, Some(Report::Confirmed(Setting::BaudRate(921_600))));
+        assert_eq!(confirmed, Some(Report::Confirmed(Setting::all(921_600)[0])));
     }
 
     #[test]
     fn reports_are_those_of_the_server_alone() {
-        assert_eq!(Report::of(&[44, 102, 8]), Some(Report::Confirmed(Setting::DataBits(8))));
+        assert_eq!(Report::of(&[44, 102, 8]), Some(Report::Confirmed(Setting::all(921_600)[1])));
         assert_eq!(Report::of(&[44, 108]), Some(Report::Suspended(true)));
         assert_eq!(Report::of(&[44, 109]), Some(Report::Suspended(false)));
         assert_eq!(Report::of(&[44, 112, 3]), Some(Report::Purged));

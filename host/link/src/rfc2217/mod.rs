@@ -13,6 +13,7 @@ mod com_port;
 mod telnet;
 
 use std::collections::VecDeque;
+use std::io::Read as _;
 use std::time::{Duration, Instant};
 
 pub use com_port::Setting;
@@ -60,7 +61,7 @@ pub enum NegotiationError {
     #[error(
         "the server set the {} to {got}, not to {}: choose one that its port supports, on both sides",
         wanted.name(),
-        wanted.value()
+        wanted.value
     )]
     Differs {
         /// Setting requested.
@@ -156,7 +157,7 @@ impl Rfc2217 {
         }
         let settings = Setting::all(baud);
         for setting in settings {
-            port.queue(&setting.command());
+            port.queue(&setting.request());
         }
         for command in com_port::unconfirmed() {
             port.queue(&command);
@@ -166,7 +167,7 @@ impl Rfc2217 {
         for wanted in settings {
             match port.in_force(wanted) {
                 None => return Err(NegotiationError::Unconfirmed(wanted)),
-                Some(got) if got != wanted.value() => return Err(NegotiationError::Differs { wanted, got }),
+                Some(got) if got != wanted.value => return Err(NegotiationError::Differs { wanted, got }),
                 Some(_) => {}
             }
         }
@@ -186,9 +187,8 @@ impl Rfc2217 {
 
     /// The value that the server reported last for a setting of this kind.
     fn in_force(&self, wanted: Setting) -> Option<u32> {
-        let kind = std::mem::discriminant(&wanted);
-        let last = self.confirmed.iter().rev().find(|setting| std::mem::discriminant(*setting) == kind);
-        last.map(|setting| setting.value())
+        let last = self.confirmed.iter().rev().find(|setting| setting.command == wanted.command);
+        last.map(|setting| setting.value)
     }
 
     fn queue(&mut self, command: &Command) {
@@ -300,11 +300,7 @@ impl Link for Rfc2217 {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         if !self.arrived.is_empty() {
-            let count = self.arrived.len().min(buffer.len());
-            for (place, byte) in buffer.iter_mut().zip(self.arrived.drain(..count)) {
-                *place = byte;
-            }
-            return Ok(count);
+            return Ok(self.arrived.read(buffer).unwrap_or(0));
         }
         let mut late_looks = 0;
         loop {

@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use crate::ParameterError;
-use crate::error::within;
-use crate::mechanics::in_range;
+use crate::error::{in_range, within};
+use crate::numbers::numbers;
 
 /// Parameters of the backlash shaft beyond masses and spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +46,32 @@ pub struct BristleParameters {
     pub damping_nm_s_rad: f64,
 }
 
+/// Allowed dry friction; stiction is at least the Coulomb friction.
+const TORQUE_NM: RangeInclusive<f64> = 0.0..=1e6;
+/// Allowed Stribeck velocity.
+const VELOCITY_RAD_S: RangeInclusive<f64> = 1e-6..=1e3;
+
+numbers! { ShaftParameters, it:
+    shaft_damping_nm_s_rad: "shaft_damping_nm_s_rad", "N m s/rad", 0.0..=1e6, "Shaft damping c, in parallel with the stiffness.";
+    load.coulomb_nm: "load_coulomb_nm", "N m", TORQUE_NM, "Coulomb friction F_c of the load.";
+    load.stiction_nm: "load_stiction_nm", "N m", it.load.coulomb_nm..=*TORQUE_NM.end(), given TORQUE_NM,
+        "Stiction F_s of the load, from F_c.";
+    load.velocity_rad_s: "load_stribeck_rad_s", "rad/s", VELOCITY_RAD_S, "Stribeck velocity v_s of the load.";
+    load_asymmetry: "load_friction_asymmetry", "", -0.9..=0.9,
+        "Fraction by which the load's friction is larger forwards and smaller backwards.";
+    motor.coulomb_nm: "motor_coulomb_nm", "N m", TORQUE_NM, "Coulomb friction F_c of the motor.";
+    motor.stiction_nm: "motor_stiction_nm", "N m", it.motor.coulomb_nm..=*TORQUE_NM.end(), given TORQUE_NM,
+        "Stiction F_s of the motor, from F_c.";
+    motor.velocity_rad_s: "motor_stribeck_rad_s", "rad/s", VELOCITY_RAD_S, "Stribeck velocity v_s of the motor.";
+    torque_saturation_nm: "torque_saturation_nm", "N m", Self::TORQUE_SATURATION_NM, "Limit U_max of the motor's torque.";
+}
+
+numbers! { BristleParameters, it:
+    stiffness_nm_rad: "bristle_stiffness_nm_rad", "N m/rad", 1e-3..=1e12, "Bristle stiffness sigma_0.";
+    damping_nm_s_rad: "bristle_damping_nm_s_rad", "N m s/rad", 0.0..=1e9, "Bristle damping sigma_1.";
+}
+
 impl ShaftParameters {
-    /// Allowed damping of the shaft.
-    pub const SHAFT_DAMPING_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e6;
-    /// Allowed asymmetry of the load's friction.
-    pub const LOAD_ASYMMETRY: RangeInclusive<f64> = -0.9..=0.9;
     /// Allowed lag of the current loop.
     pub const CURRENT_LAG_S: RangeInclusive<f64> = 0.0..=10.0;
     /// Allowed torque limit.
@@ -75,45 +96,19 @@ impl ShaftParameters {
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        in_range("shaft_damping_nm_s_rad", self.shaft_damping_nm_s_rad, &Self::SHAFT_DAMPING_NM_S_RAD)?;
-        self.load.validate(["load_coulomb_nm", "load_stiction_nm", "load_stribeck_rad_s"])?;
-        in_range("load_friction_asymmetry", self.load_asymmetry, &Self::LOAD_ASYMMETRY)?;
+        self.check()?;
         if let Some(bristles) = self.load_bristles {
-            in_range(
-                "bristle_stiffness_nm_rad",
-                bristles.stiffness_nm_rad,
-                &BristleParameters::STIFFNESS_NM_RAD,
-            )?;
-            in_range(
-                "bristle_damping_nm_s_rad",
-                bristles.damping_nm_s_rad,
-                &BristleParameters::DAMPING_NM_S_RAD,
-            )?;
+            bristles.check()?;
             // Bristles slide at Coulomb friction; without it their deflection would have no limit.
-            within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, *StribeckParameters::TORQUE_NM.end())?;
+            within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, *TORQUE_NM.end())?;
         }
-        self.motor.validate(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"])?;
-        in_range("current_lag_s", self.current_lag_s, &Self::CURRENT_LAG_S)?;
-        in_range("torque_saturation_nm", self.torque_saturation_nm, &Self::TORQUE_SATURATION_NM)
+        in_range("current_lag_s", self.current_lag_s, &Self::CURRENT_LAG_S)
     }
 }
 
 impl BristleParameters {
-    /// Allowed sigma_0.
-    pub const STIFFNESS_NM_RAD: RangeInclusive<f64> = 1e-3..=1e12;
-    /// Allowed sigma_1.
-    pub const DAMPING_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e9;
-}
-
-impl StribeckParameters {
-    /// Allowed Coulomb friction; stiction is at least the Coulomb friction.
-    pub const TORQUE_NM: RangeInclusive<f64> = 0.0..=1e6;
-    /// Allowed Stribeck velocity.
-    pub const VELOCITY_RAD_S: RangeInclusive<f64> = 1e-6..=1e3;
-
-    fn validate(&self, [coulomb, stiction, velocity]: [&'static str; 3]) -> Result<(), ParameterError> {
-        in_range(coulomb, self.coulomb_nm, &Self::TORQUE_NM)?;
-        within(stiction, self.stiction_nm, self.coulomb_nm, *Self::TORQUE_NM.end())?;
-        in_range(velocity, self.velocity_rad_s, &Self::VELOCITY_RAD_S)
+    /// The defaults of the keys.
+    fn paper() -> Self {
+        Self { stiffness_nm_rad: 3.4e4, damping_nm_s_rad: 300.0 }
     }
 }

@@ -2,8 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::error::within;
-use crate::mechanics::in_range;
+use crate::error::{in_range, within};
 use crate::mode::{Contact, DryFriction};
 use crate::{Mechanics, ParameterError};
 

@@ -32,6 +32,18 @@ pub enum Statistic {
     Final,
 }
 
+/// Name, definition over the values v_1 to v_n, and trend, in the order of the variants.
+const FACTS: [(&str, &str, Trend); Statistic::ALL.len()] = [
+    ("min", "smallest v", Trend::Falling),
+    ("max", "largest v", Trend::Rising),
+    ("mean", "sum of v / n", Trend::Any),
+    ("rms", "root of the sum of v^2 / n", Trend::Any),
+    ("peak", "largest abs(v)", Trend::Rising),
+    ("peak_to_peak", "largest v minus smallest v", Trend::Rising),
+    ("std", "root of the sum of (v - mean)^2 / n", Trend::Any),
+    ("final", "v_n", Trend::Any),
+];
+
 impl Statistic {
     /// Every statistic, in the order of the documentation.
     pub const ALL: [Self; 8] =
@@ -40,41 +52,19 @@ impl Statistic {
     /// Name in scenarios and summaries.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Min => "min",
-            Self::Max => "max",
-            Self::Mean => "mean",
-            Self::Rms => "rms",
-            Self::Peak => "peak",
-            Self::PeakToPeak => "peak_to_peak",
-            Self::Std => "std",
-            Self::Final => "final",
-        }
+        FACTS[self as usize].0
     }
 
     /// Definition over the values v_1 to v_n.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Min => "smallest v",
-            Self::Max => "largest v",
-            Self::Mean => "sum of v / n",
-            Self::Rms => "root of the sum of v^2 / n",
-            Self::Peak => "largest abs(v)",
-            Self::PeakToPeak => "largest v minus smallest v",
-            Self::Std => "root of the sum of (v - mean)^2 / n",
-            Self::Final => "v_n",
-        }
+        FACTS[self as usize].1
     }
 
     /// How its value can change.
     #[must_use]
     pub const fn trend(self) -> Trend {
-        match self {
-            Self::Max | Self::Peak | Self::PeakToPeak => Trend::Rising,
-            Self::Min => Trend::Falling,
-            Self::Mean | Self::Rms | Self::Std | Self::Final => Trend::Any,
-        }
+        FACTS[self as usize].2
     }
 }
 
@@ -84,77 +74,29 @@ impl fmt::Display for Statistic {
     }
 }
 
-/// A statistic so far.
-#[derive(Debug, Clone, Copy)]
-enum Accumulator {
-    Min(f64),
-    Max(f64),
-    Mean { sum: f64 },
-    Rms { sum_of_squares: f64 },
-    Peak(f64),
-    PeakToPeak { low: f64, high: f64 },
-    Std { mean: f64, squares: f64 },
-    Final(f64),
-}
-
-impl Accumulator {
-    const fn empty(statistic: Statistic) -> Self {
-        match statistic {
-            Statistic::Min => Self::Min(f64::INFINITY),
-            Statistic::Max => Self::Max(f64::NEG_INFINITY),
-            Statistic::Mean => Self::Mean { sum: 0.0 },
-            Statistic::Rms => Self::Rms { sum_of_squares: 0.0 },
-            Statistic::Peak => Self::Peak(0.0),
-            Statistic::PeakToPeak => Self::PeakToPeak { low: f64::INFINITY, high: f64::NEG_INFINITY },
-            Statistic::Std => Self::Std { mean: 0.0, squares: 0.0 },
-            Statistic::Final => Self::Final(f64::NAN),
-        }
-    }
-
-    /// Adds the value number `count`.
-    fn add(&mut self, value: f64, count: f64) {
-        match self {
-            Self::Min(low) => *low = low.min(value),
-            Self::Max(high) => *high = high.max(value),
-            Self::Mean { sum } => *sum += value,
-            Self::Rms { sum_of_squares } => *sum_of_squares += value * value,
-            Self::Peak(peak) => *peak = peak.max(value.abs()),
-            Self::PeakToPeak { low, high } => (*low, *high) = (low.min(value), high.max(value)),
-            // Welford's recurrence: a large mean doesn't cancel a small deviation.
-            Self::Std { mean, squares } => {
-                let before = value - *mean;
-                *mean += before / count;
-                *squares += before * (value - *mean);
-            }
-            Self::Final(last) => *last = value,
-        }
-    }
-
-    /// The statistic of `count` values, at least 1.
-    fn of(self, count: f64) -> f64 {
-        match self {
-            Self::Min(value) | Self::Max(value) | Self::Peak(value) | Self::Final(value) => value,
-            Self::Mean { sum } => sum / count,
-            Self::Rms { sum_of_squares } => (sum_of_squares / count).sqrt(),
-            Self::PeakToPeak { low, high } => high - low,
-            Self::Std { squares, .. } => (squares / count).sqrt(),
-        }
-    }
-}
-
-/// A statistic of a channel.
+/// A statistic of a channel: what any statistic needs of the values so far.
 #[derive(Debug)]
 pub(super) struct StatisticMeter {
     channel: Channel,
+    statistic: Statistic,
     count: f64,
-    accumulator: Accumulator,
+    low: f64,
+    high: f64,
+    sum: f64,
+    sum_of_squares: f64,
+    mean: f64,
+    /// Sum of the squared distances from the mean.
+    squares: f64,
+    last: f64,
     /// Latched, because comparisons drop NaN.
     finite: bool,
 }
 
 impl StatisticMeter {
     pub(super) const fn new(channel: Channel, statistic: Statistic) -> Self {
-        Self { channel, count: 0.0, accumulator: Accumulator::empty(statistic), finite: true }
+        let [count, sum, sum_of_squares, mean, squares, last] = [0.0; 6];
+        let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { channel, statistic, count, low, high, sum, sum_of_squares, mean, squares, last, finite: true }
     }
 }
 
@@ -163,7 +105,13 @@ impl Meter for StatisticMeter {
         let Some(value) = self.channel.of(sample) else { return };
         self.finite &= value.is_finite();
         self.count += 1.0;
-        self.accumulator.add(value, self.count);
+        (self.low, self.high, self.last) = (self.low.min(value), self.high.max(value), value);
+        self.sum += value;
+        self.sum_of_squares += value * value;
+        // Welford's recurrence: a large mean doesn't cancel a small deviation.
+        let before = value - self.mean;
+        self.mean += before / self.count;
+        self.squares += before * (value - self.mean);
     }
 
     fn measured(&self) -> Measured {
@@ -173,6 +121,16 @@ impl Meter for StatisticMeter {
         if !self.finite {
             return Measured::NotFinite;
         }
-        Measured::finite(self.accumulator.of(self.count))
+        Measured::finite(match self.statistic {
+            Statistic::Min => self.low,
+            Statistic::Max => self.high,
+            Statistic::Mean => self.sum / self.count,
+            Statistic::Rms => (self.sum_of_squares / self.count).sqrt(),
+            // The amount of a signal that is -0 throughout is 0.
+            Statistic::Peak => self.high.max(-self.low).abs(),
+            Statistic::PeakToPeak => self.high - self.low,
+            Statistic::Std => (self.squares / self.count).sqrt(),
+            Statistic::Final => self.last,
+        })
     }
 }

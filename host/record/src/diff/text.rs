@@ -4,6 +4,7 @@ use std::fmt;
 
 use lashloop_bench::text_table::aligned;
 use lashloop_session::printable;
+use serde::Serialize as _;
 
 use super::comparison::{Agreement, Comparison, RecordHead};
 use super::figure::{exact, figure};
@@ -208,18 +209,11 @@ impl SignalDifference {
         let counted = format!("{} of {}", self.differing, self.compared);
         let Some(largest) = self.largest else {
             let [a, b] = self.absent;
-            let none = format!("no value in {a} rows of A, {b} of B");
-            return [
-                self.name.clone(),
-                none,
-                String::new(),
-                String::new(),
-                String::new(),
-                String::new(),
-                String::new(),
-                counted,
-                mark,
-            ];
+            let mut row: [String; 9] = Default::default();
+            row[0].clone_from(&self.name);
+            row[1] = format!("no value in {a} rows of A, {b} of B");
+            [row[7], row[8]] = [counted, mark];
+            return row;
         };
         let [a, b] = exact(largest.values);
         let (step, time_s) = (largest.at.step.to_string(), figure(largest.at.time_s));
@@ -234,14 +228,7 @@ fn beyond(tolerance: Option<f64>) -> String {
 
 impl fmt::Display for Group {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(match self {
-            Self::Scenario => "scenario",
-            Self::Parameter => "parameter",
-            Self::Run => "run",
-            Self::Drive => "drive",
-            Self::Bench => "bench",
-            Self::Host => "host",
-        })
+        self.serialize(out)
     }
 }
 

@@ -5,6 +5,8 @@ use std::fmt::Write;
 
 use lashloop_plant::Signal;
 
+use super::container::take;
+
 /// Encoding of the messages, as MCAP names it.
 pub(crate) const MESSAGE_ENCODING: &str = "ros1";
 /// Encoding of the schemas, as MCAP names it.
@@ -20,14 +22,6 @@ pub(crate) enum FieldType {
     UInt8,
 }
 
-const TYPES: [(&str, FieldType); 5] = [
-    ("float64", FieldType::Float64),
-    ("float32", FieldType::Float32),
-    ("int64", FieldType::Int64),
-    ("int32", FieldType::Int32),
-    ("uint8", FieldType::UInt8),
-];
-
 /// A field with the column that it holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Field {
@@ -36,6 +30,8 @@ pub(crate) struct Field {
 }
 
 impl FieldType {
+    const ALL: [Self; 5] = [Self::Float64, Self::Float32, Self::Int64, Self::Int32, Self::UInt8];
+
     fn name(self) -> &'static str {
         match self {
             Self::Float64 => "float64",
@@ -59,18 +55,13 @@ impl FieldType {
 
     /// Takes a value off the front of `bytes`; `None` if they are too few.
     fn take(self, bytes: &mut &[u8]) -> Option<f64> {
-        fn split<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
-            let (first, rest) = bytes.split_first_chunk()?;
-            *bytes = rest;
-            Some(*first)
-        }
         Some(match self {
-            Self::Float64 => f64::from_le_bytes(split(bytes)?),
-            Self::Float32 => f32::from_le_bytes(split(bytes)?).into(),
+            Self::Float64 => f64::from_le_bytes(take(bytes)?),
+            Self::Float32 => f32::from_le_bytes(take(bytes)?).into(),
             // Times in ns: exact for 104 days.
-            Self::Int64 => i64::from_le_bytes(split(bytes)?) as f64,
-            Self::Int32 => i32::from_le_bytes(split(bytes)?).into(),
-            Self::UInt8 => split::<1>(bytes)?[0].into(),
+            Self::Int64 => i64::from_le_bytes(take(bytes)?) as f64,
+            Self::Int32 => i32::from_le_bytes(take(bytes)?).into(),
+            Self::UInt8 => take::<1>(bytes)?[0].into(),
         })
     }
 }
@@ -92,7 +83,7 @@ pub(crate) fn fields(schema: &str) -> Option<Vec<Field>> {
     let field = |line: &str| {
         let (declaration, comment) = line.split_once(" # ")?;
         let (ty, _) = declaration.split_once(' ')?;
-        let (_, ty) = *TYPES.iter().find(|(name, _)| *name == ty)?;
+        let ty = FieldType::ALL.into_iter().find(|it| it.name() == ty)?;
         let (name, unit) = comment.strip_suffix(']')?.rsplit_once(" [")?;
         let column = Signal { name: name.to_owned().into(), unit: unit.to_owned().into() };
         Some(Field { ty, column })

@@ -24,6 +24,7 @@ pub struct SampleWriter {
     events: u64,
     period_ns: u64,
     steps: u64,
+    flush_rows: u64,
     /// Time of the sample of the last telemetry, for what repeats it.
     telemetry_time_s: Option<f64>,
     message: Vec<u8>,
@@ -35,7 +36,8 @@ struct Topic {
 }
 
 impl SampleWriter {
-    /// Creates `run.mcap` in `folder`, with these files attached. `first_step` is the number of the first step to come.
+    /// Creates `run.mcap` in `folder`, with these files attached. `first_step` is the number of the first step to come;
+    /// every `flush_rows` steps are written at once.
     ///
     /// # Errors
     /// The file can't be created or written.
@@ -44,6 +46,7 @@ impl SampleWriter {
         signals: &SignalTable,
         period_us: u32,
         first_step: u64,
+        flush_rows: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, WriteError> {
         let growing = GrowingFile::create(&folder.join(SAMPLES_FILE), ".samples-", b"")?;
@@ -75,13 +78,17 @@ impl SampleWriter {
             events: 0,
             period_ns: 1000 * u64::from(period_us),
             steps: first_step,
+            flush_rows,
             telemetry_time_s: None,
             message: Vec::new(),
         })
     }
 
-    /// Appends a step. It gets to the file with the next [`flush`](Self::flush).
-    pub fn push(&mut self, step: &Step) {
+    /// Appends a step. It gets to the file with the chunk begun.
+    ///
+    /// # Errors
+    /// The chunk can't be written. Those before are kept.
+    pub fn push(&mut self, step: &Step) -> Result<(), WriteError> {
         let (number, now_ns) = (self.steps, self.steps * self.period_ns);
         self.steps += 1;
         self.message.clear();
@@ -94,6 +101,7 @@ impl SampleWriter {
             encode(&self.drive.fields, step.drive.values.iter().copied(), &mut self.message);
             self.write(self.drive.channel, number, time_ns, now_ns);
         }
+        if self.steps.is_multiple_of(self.flush_rows) { self.file.flush() } else { Ok(()) }
     }
 
     /// Appends an event of a step. It gets to the file as a step does.
@@ -112,14 +120,6 @@ impl SampleWriter {
     fn write(&mut self, channel: u16, number: u64, log_time: u64, publish_time: u64) {
         let head = MessageHead { channel, sequence: number as u32, log_time, publish_time };
         self.file.message(&head, &self.message);
-    }
-
-    /// Writes the chunk begun.
-    ///
-    /// # Errors
-    /// The chunk can't be written. Those before are kept.
-    pub fn flush(&mut self) -> Result<(), WriteError> {
-        self.file.flush()
     }
 
     /// Writes the summary as an attachment, and the end of the file.

@@ -24,7 +24,7 @@ fn samples_keep_times_of_any_length() {
     // A day into a run at 1 kHz, a machine was suspended.
     let first = 86_400_000;
     let signals = SignalTable::default();
-    let mut writer = SampleWriter::create(directory.path(), &signals, 1000, first, &[]).expect("a file");
+    let mut writer = SampleWriter::create(directory.path(), &signals, 1000, first, 100, &[]).expect("a file");
     for lateness in [Duration::from_nanos(1), Duration::from_secs(3), long] {
         let round_trip =
             Some(RoundTrip { send: lateness, line_and_device: long, compute: long, receive: long });
@@ -38,7 +38,7 @@ fn samples_keep_times_of_any_length() {
         };
         let drive = DriveValues { values: [].into_iter().collect(), time_s: None };
         let step = Step { row, sample: None, plant: [].into_iter().collect(), drive, timing };
-        writer.push(&step);
+        writer.push(&step).expect("a step");
     }
     writer.finish(("summary.json", "{}")).expect("a file");
     let Samples { trace, timing, .. } = Samples::read(&directory.path().join("run.mcap")).expect("samples");

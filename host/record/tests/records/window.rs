@@ -2,7 +2,7 @@
 
 use lashloop_bench::run::StepObserver;
 use lashloop_record::folder::RecordFolder;
-use lashloop_record::reader::{Completeness, Record};
+use lashloop_record::reader::Record;
 use lashloop_record::source::RunSource;
 use lashloop_record::window::WindowRecorder;
 use lashloop_record::writer::RecordWriter;
@@ -45,5 +45,8 @@ fn a_window_has_the_steps_around_the_longest_silence() {
     let part = whole.trace.select(|row| expected.contains(&row));
     assert_eq!(bits(&window.trace), bits(&part));
     let steps = expected.len();
-    assert_eq!(window.completeness(), Completeness::Interrupted { steps, is_cut: false });
+    assert_eq!(
+        window.interruption(),
+        Some(format!("interrupted: no summary.json, {steps} steps reached the disk"))
+    );
 }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use super::data::{Chart, Data, Part, Series};
 use super::input::Run;
 use super::part::{differences, metrics, plots, settings};
-use super::run_charts::{error_rad, estimates, spelled};
+use super::run_charts::{HYSTERESIS, PHASE_PLANE, coloured, error_rad, estimates, spelled, trail};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
 use crate::steps::round_trip_us;
@@ -122,20 +122,9 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         let trip: Vec<_> = run.timing.iter().map(round_trip_us).collect();
         trip.iter().any(|value| value.is_finite()).then(|| ("round_trip_us".to_owned(), trip))
     });
-    trail(
-        &mut data,
-        runs,
-        "Phase plane",
-        ["error_rad", "load_velocity_rad_s"],
-        [("position error", "rad"), ("load velocity", "rad/s")],
-    );
-    trail(
-        &mut data,
-        runs,
-        "Hysteresis of gap and shaft",
-        ["twist_rad", "transmitted_torque_nm"],
-        [("twist", "rad"), ("transmitted torque", "N m")],
-    );
+    for over in [PHASE_PLANE, HYSTERESIS] {
+        trail(&mut data, runs, over, None);
+    }
     data
 }
 
@@ -159,27 +148,4 @@ fn of_all(
         series.push(coloured(number, Series::new(&run.name, number, id)));
     }
     Chart::new(title, unit, series)
-}
-
-/// Eight colours, then the same dashed.
-fn coloured(number: usize, series: Series) -> Series {
-    let series = series.style(format!("c{}", number % 8));
-    if number / 8 % 2 == 1 { series.dashed() } else { series }
-}
-
-/// A chart of one column over another, in every run that has both.
-fn trail(data: &mut Data, runs: &[Run], title: &str, names: [&str; 2], axes: [(&str, &str); 2]) {
-    let mut series = Vec::new();
-    for (number, run) in runs.iter().enumerate() {
-        let values = |name: &str| match name {
-            "error_rad" => error_rad(run),
-            name => run.column(name).map(<[f64]>::to_vec),
-        };
-        let Some((x, y)) = values(names[0]).zip(values(names[1])) else { continue };
-        let trail = data.trail(number, run.times_s(), (names[0], &x), (names[1], &y));
-        series.push(coloured(number, Series::trail(&run.name, number, trail)));
-    }
-    if !series.is_empty() {
-        data.charts.push(Chart::new(title, "", series).axes(axes[0], axes[1]));
-    }
 }

@@ -2,20 +2,6 @@
 
 use lashloop_campaign::suite::check::Check;
 
-/// Below this fraction a margin is marginal.
-const MARGINAL: f64 = 0.1;
-
-/// The result of an expectation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Grade {
-    /// Met with a margin.
-    Pass,
-    /// Met with a margin below 10 % of the bound, or of the width between two bounds.
-    Marginal,
-    /// Not met, or without a value.
-    Fail,
-}
-
 /// Distance of a value from the nearest bound; negative outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margin {
@@ -43,55 +29,9 @@ impl Margin {
     }
 }
 
-impl Grade {
-    pub(super) fn of_check(check: &Check) -> Self {
-        Self::of(check.ok, Margin::of_check(check))
-    }
-
-    /// Of a value that is met or not.
-    pub(super) fn of(ok: bool, margin: Option<Margin>) -> Self {
-        match margin.and_then(|margin| margin.fraction) {
-            _ if !ok => Self::Fail,
-            Some(fraction) if fraction < MARGINAL => Self::Marginal,
-            _ => Self::Pass,
-        }
-    }
-
-    /// Name in tables and class in the style.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Marginal => "marginal",
-            Self::Fail => "fail",
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn grade(value: Option<f64>, min: Option<f64>, max: Option<f64>) -> Grade {
-        let ok = value.is_some_and(|it| min.is_none_or(|min| it >= min) && max.is_none_or(|max| it <= max));
-        Grade::of(ok, value.and_then(|value| Margin::of(value, min, max)))
-    }
-
-    #[test]
-    fn a_margin_below_a_tenth_of_the_bound_is_marginal() {
-        for (value, min, max, want) in [
-            (Some(5.0), None, Some(6.0), Grade::Pass),
-            (Some(5.5), None, Some(6.0), Grade::Marginal),
-            (Some(6.0), None, Some(6.0), Grade::Marginal),
-            (Some(6.1), None, Some(6.0), Grade::Fail),
-            (Some(5.2), Some(5.0), Some(6.0), Grade::Pass),
-            (Some(5.95), Some(5.0), Some(6.0), Grade::Marginal),
-            (Some(-2.0), Some(-2.1), None, Grade::Marginal),
-            (Some(0.5), Some(0.0), None, Grade::Pass),
-            (None, None, Some(6.0), Grade::Fail),
-        ] {
-            assert_eq!(grade(value, min, max), want, "{value:?} in {min:?} to {max:?}");
-        }
-    }
 
     #[test]
     fn a_margin_is_the_distance_to_the_nearest_bound() {

@@ -35,6 +35,6 @@ pub use campaign::input::CampaignResults;
 pub use campaign_page::campaign;
 pub use comparison_page::{comparison, diff};
 pub use input::Run;
-pub use margin::{Grade, Margin};
+pub use margin::Margin;
 pub use run_page::run;
 pub use suite_page::{Suite, SuiteRow, suite};

@@ -16,6 +16,26 @@ const PER_CHART: usize = 4;
 /// Columns that no chart shows for themselves.
 const INTERNAL: [&str; 3] = [TIME, TELEMETRY_TIME, "contact"];
 
+/// One column over another: title, their names, label and unit of their axes.
+type Over = (&'static str, [&'static str; 2], [(&'static str, &'static str); 2]);
+
+pub(super) const PHASE_PLANE: Over = (
+    "Phase plane",
+    ["error_rad", "load_velocity_rad_s"],
+    [("position error", "rad"), ("load velocity", "rad/s")],
+);
+/// The backlash itself: torque passes outside the gap only.
+pub(super) const HYSTERESIS: Over = (
+    "Hysteresis of gap and shaft",
+    ["twist_rad", "transmitted_torque_nm"],
+    [("twist", "rad"), ("transmitted torque", "N m")],
+);
+const LOST_MOTION: Over = (
+    "Hysteresis of the loop",
+    ["reference_rad", "load_position_rad"],
+    [("reference", "rad"), ("load position", "rad")],
+);
+
 /// The charts of a single run.
 pub(super) fn charts(run: &Run) -> (Data, Vec<Constant>) {
     Data::fitted(slice::from_ref(run), |data| draw(run, data))
@@ -29,7 +49,7 @@ fn draw(run: &Run, data: Data) -> (Data, Vec<Constant>) {
     page.twist();
     page.estimates();
     page.phase_plane();
-    page.hysteresis();
+    page.trail(HYSTERESIS, "transmitted torque");
     page.lost_motion();
     page.timing();
     let constants = page.further();
@@ -63,13 +83,6 @@ impl Charts<'_> {
         let column = self.data.column(0, name, || values.to_vec());
         self.shown.push(name.to_owned());
         Some(Series::new(label, 0, column))
-    }
-
-    /// One signal over another; `None` if the run lacks one of them.
-    fn trail(&mut self, label: &str, x: &str, y: &str) -> Option<Series> {
-        let (x, y) = ((x, self.run.column(x)?), (y, self.run.column(y)?));
-        let trail = self.data.trail(0, self.run.times_s(), x, y);
-        Some(Series::trail(label, 0, trail).style("c0"))
     }
 
     fn push(&mut self, chart: Chart) {
@@ -143,33 +156,21 @@ impl Charts<'_> {
     }
 
     fn phase_plane(&mut self) {
-        let Some(error_rad) = error_rad(self.run) else { return };
-        let Some(speed) = self.run.column("load_velocity_rad_s") else { return };
-        let trail =
-            self.data.trail(0, self.run.times_s(), ("error_rad", &error_rad), ("load_velocity_rad_s", speed));
-        self.shown.push("load_velocity_rad_s".to_owned());
-        let chart = Chart::new("Phase plane", "", vec![Series::trail("trajectory", 0, trail).style("c0")]);
-        self.push(chart.axes(("position error", "rad"), ("load velocity", "rad/s")));
-    }
-
-    /// The backlash itself: torque passes outside the gap only.
-    fn hysteresis(&mut self) {
-        let Some(series) = self.trail("transmitted torque", "twist_rad", "transmitted_torque_nm") else {
-            return;
-        };
-        let chart = Chart::new("Hysteresis of gap and shaft", "", vec![series]);
-        self.push(chart.axes(("twist", "rad"), ("transmitted torque", "N m")));
+        if self.trail(PHASE_PLANE, "trajectory") {
+            self.shown.push("load_velocity_rad_s".to_owned());
+        }
     }
 
     /// Load over reference, if the reference moves: the width of the loop is the lost motion.
     fn lost_motion(&mut self) {
         let reference_rad = self.run.column("reference_rad").unwrap_or_default();
-        if reference_rad.windows(2).all(|pair| pair[0] == pair[1]) {
-            return;
+        if reference_rad.windows(2).any(|pair| pair[0] != pair[1]) {
+            self.trail(LOST_MOTION, "load");
         }
-        let Some(series) = self.trail("load", "reference_rad", "load_position_rad") else { return };
-        let chart = Chart::new("Hysteresis of the loop", "", vec![series]);
-        self.push(chart.axes(("reference", "rad"), ("load position", "rad")));
+    }
+
+    fn trail(&mut self, over: Over, label: &str) -> bool {
+        trail(&mut self.data, slice::from_ref(self.run), over, Some(label))
     }
 
     fn timing(&mut self) {
@@ -224,6 +225,32 @@ impl Charts<'_> {
         }
         constants
     }
+}
+
+/// Eight colours, then the same dashed.
+pub(super) fn coloured(number: usize, series: Series) -> Series {
+    let series = series.style(format!("c{}", number % 8));
+    if number / 8 % 2 == 1 { series.dashed() } else { series }
+}
+
+/// Adds a chart of one column over another, in every run that has both, and under their names without a label. Whether there
+/// is such a run.
+pub(super) fn trail(data: &mut Data, runs: &[Run], (title, names, axes): Over, label: Option<&str>) -> bool {
+    let mut series = Vec::new();
+    for (number, run) in runs.iter().enumerate() {
+        let values = |name: &str| match name {
+            "error_rad" => error_rad(run),
+            name => run.column(name).map(<[f64]>::to_vec),
+        };
+        let Some((x, y)) = values(names[0]).zip(values(names[1])) else { continue };
+        let trail = data.trail(number, run.times_s(), (names[0], &x), (names[1], &y));
+        series.push(coloured(number, Series::trail(label.unwrap_or(&run.name), number, trail)));
+    }
+    let is_drawn = !series.is_empty();
+    if is_drawn {
+        data.charts.push(Chart::new(title, "", series).axes(axes[0], axes[1]));
+    }
+    is_drawn
 }
 
 /// Load position less reference.

@@ -3,7 +3,7 @@
 use lashloop_campaign::suite::check::Check;
 use maud::{Markup, html};
 
-use super::margin::{Grade, Margin};
+use super::margin::Margin;
 use super::part::command::copied;
 use super::shell::document;
 use super::typeset::{apart, percent, shown, unit};
@@ -54,7 +54,7 @@ const MARGINAL: &str = "marginal";
 
 impl SuiteRow {
     fn label(&self) -> &str {
-        let is_marginal = || self.checks.iter().any(|it| Grade::of_check(it) == Grade::Marginal);
+        let is_marginal = || self.checks.iter().any(|it| Tone::of_check(it) == Tone::Marginal);
         if self.verdict == "PASS" && is_marginal() { MARGINAL } else { &self.verdict }
     }
 

@@ -339,7 +339,7 @@ fn a_run_without_a_step_has_a_page_with_its_verdict() {
 
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("record.json"), MANIFEST).expect("a manifest");
-    let samples = SampleWriter::create(folder.path(), &SignalTable::default(), 1000, 0, &[]);
+    let samples = SampleWriter::create(folder.path(), &SignalTable::default(), 1000, 0, 1, &[]);
     samples.and_then(|samples| samples.finish(("summary.json", "{}"))).expect("samples");
     let error = Run::read("plain", folder.path()).expect_err("neither rows nor a summary");
     assert!(matches!(error, ReadError { fault: ReadFault::Empty, .. }), "{error}");

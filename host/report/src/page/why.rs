@@ -5,14 +5,17 @@ use lashloop_campaign::suite::check::Check;
 use lashloop_record::summary::{RunEnd, Summary};
 
 use super::input::Run;
-use super::margin::{Grade, Margin};
+use super::margin::Margin;
 use super::typeset::{self, apart, percent, shown};
 
-/// What a page shows as the verdict. The name is a class of the style, too.
+/// Below this fraction a margin is marginal: of the bound, or of the width between two bounds.
+const MARGINAL: f64 = 0.1;
+
+/// What a page shows as the verdict of a run or of one expectation. The name is a class of the style, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tone {
     Pass,
-    /// PASS with a marginal expectation.
+    /// PASS with a marginal expectation, or an expectation met with a marginal margin.
     Marginal,
     Fail,
     Invalid,
@@ -23,10 +26,9 @@ pub(super) enum Tone {
 impl Tone {
     pub(super) fn of(run: &Run) -> Self {
         let Some(summary) = &run.record.summary else { return Self::None };
-        let is_marginal =
-            || summary.expectations.iter().any(|it| Grade::of_check(&Check::from(it)) == Grade::Marginal);
+        let mut tones = summary.expectations.iter().map(|it| Self::of_check(&Check::from(it)));
         match Self::of_verdict(summary.verdict) {
-            Self::Pass if is_marginal() => Self::Marginal,
+            Self::Pass if tones.any(|it| it == Self::Marginal) => Self::Marginal,
             tone => tone,
         }
     }
@@ -37,6 +39,24 @@ impl Tone {
             Verdict::Pass => Self::Pass,
             Verdict::Fail => Self::Fail,
             Verdict::Invalid => Self::Invalid,
+        }
+    }
+
+    /// Of an expectation, or of a metric against its baseline.
+    pub(super) fn of_check(check: &Check) -> Self {
+        match Margin::of_check(check).and_then(|margin| margin.fraction) {
+            _ if !check.ok => Self::Fail,
+            Some(fraction) if fraction < MARGINAL => Self::Marginal,
+            _ => Self::Pass,
+        }
+    }
+
+    /// A sign in addition to the colour.
+    pub(super) fn symbol(self) -> &'static str {
+        match self {
+            Self::Pass => "\u{2713}",
+            Self::Marginal => "\u{25b3}",
+            Self::Fail | Self::Invalid | Self::None => "\u{2715}",
         }
     }
 
@@ -85,7 +105,7 @@ fn passed(summary: &Summary) -> String {
         1 => "The expectation is met".to_owned(),
         _ => format!("All {count} expectations are met"),
     };
-    let marginal = checks.iter().filter(|it| Grade::of_check(it) == Grade::Marginal).count();
+    let marginal = checks.iter().filter(|it| Tone::of_check(it) == Tone::Marginal).count();
     let marginal = if marginal == 0 { String::new() } else { format!(", {marginal} of them marginally") };
     let graded = checks.iter().filter_map(|it| Some((&it.name, Margin::of_check(it)?.fraction?)));
     match graded.min_by(|(_, a), (_, b)| a.total_cmp(b)) {
@@ -134,5 +154,32 @@ fn invalid(summary: &Summary) -> String {
             "{what} is {counted}, allow.{what} is {allowed}{rest}: the run proves nothing about the drive."
         ),
         None => format!("{what} has nothing to measure, allow.{what} is {allowed}{rest}."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tone(value: Option<f64>, min: Option<f64>, max: Option<f64>) -> Tone {
+        let ok = value.is_some_and(|it| min.is_none_or(|min| it >= min) && max.is_none_or(|max| it <= max));
+        Tone::of_check(&Check { name: String::new(), value, min, max, unit: String::new(), ok })
+    }
+
+    #[test]
+    fn a_margin_below_a_tenth_of_the_bound_is_marginal() {
+        for (value, min, max, want) in [
+            (Some(5.0), None, Some(6.0), Tone::Pass),
+            (Some(5.5), None, Some(6.0), Tone::Marginal),
+            (Some(6.0), None, Some(6.0), Tone::Marginal),
+            (Some(6.1), None, Some(6.0), Tone::Fail),
+            (Some(5.2), Some(5.0), Some(6.0), Tone::Pass),
+            (Some(5.95), Some(5.0), Some(6.0), Tone::Marginal),
+            (Some(-2.0), Some(-2.1), None, Tone::Marginal),
+            (Some(0.5), Some(0.0), None, Tone::Pass),
+            (None, None, Some(6.0), Tone::Fail),
+        ] {
+            assert_eq!(tone(value, min, max), want, "{value:?} in {min:?} to {max:?}");
+        }
     }
 }

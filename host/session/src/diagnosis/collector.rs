@@ -21,12 +21,13 @@ const REMEMBERED: usize = 8;
 const LONGEST: usize = MAX_FRAME - 1;
 
 /// Counts what arrives on a line.
+#[derive(Default)]
 pub(crate) struct Collector {
     arrivals: Arrivals,
     /// Whether `arrivals` has more than bytes and times.
     is_mixed: bool,
-    /// The first bytes since the last delimiter.
-    partial: [u8; LONGEST],
+    /// The first bytes since the last delimiter, perhaps with older ones behind them.
+    partial: heapless::Vec<u8, LONGEST>,
     /// All bytes since the last delimiter.
     partial_len: usize,
     sent: [Option<Numbered<HostMessage>>; REMEMBERED],
@@ -41,24 +42,6 @@ pub(crate) struct Collector {
     is_connected: bool,
     /// Answers since the line was opened that nothing awaited.
     surplus_answers: u32,
-}
-
-impl Default for Collector {
-    fn default() -> Self {
-        Self {
-            arrivals: Arrivals::default(),
-            is_mixed: false,
-            partial: [0; LONGEST],
-            partial_len: 0,
-            sent: [None; REMEMBERED],
-            next_sent: 0,
-            request: None,
-            sent_kinds: 0,
-            session: None,
-            is_connected: false,
-            surplus_answers: 0,
-        }
-    }
 }
 
 impl Collector {
@@ -220,8 +203,8 @@ impl Collector {
         }
         let (old, new) = (self.partial_len, self.partial_len + bytes.len());
         self.partial_len = new;
-        if let Some(free) = self.partial.get_mut(old..new) {
-            free.copy_from_slice(bytes);
+        self.partial.truncate(old);
+        if new <= LONGEST && self.partial.extend_from_slice(bytes).is_ok() {
             return;
         }
         self.is_mixed = true;

@@ -8,7 +8,7 @@ const KEPT: usize = 160;
 const SHOWN: usize = 60;
 
 /// Statistics of the bytes outside good frames, lone delimiters excluded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RawBytes {
     /// Bytes.
     pub count: u64,
@@ -17,25 +17,10 @@ pub struct RawBytes {
     /// Changes between neighbouring bits within all bytes: 3.5 a byte for random data, at most 2 a byte for a UART that
     /// samples several times faster than the far end sends.
     pub transitions: u64,
-    head: [u8; KEPT],
-    head_len: usize,
+    /// The first bytes.
+    head: heapless::Vec<u8, KEPT>,
     /// The first bytes with their delimiters.
-    framed: [u8; KEPT],
-    framed_len: usize,
-}
-
-impl Default for RawBytes {
-    fn default() -> Self {
-        Self {
-            count: 0,
-            text: 0,
-            transitions: 0,
-            head: [0; KEPT],
-            head_len: 0,
-            framed: [0; KEPT],
-            framed_len: 0,
-        }
-    }
+    framed: heapless::Vec<u8, KEPT>,
 }
 
 impl RawBytes {
@@ -45,29 +30,29 @@ impl RawBytes {
             self.text += u64::from(is_text(*byte));
             self.transitions += u64::from(((byte ^ (byte >> 1)) & 0x7f).count_ones());
         }
-        keep(bytes, &mut self.head, &mut self.head_len);
-        keep(bytes, &mut self.framed, &mut self.framed_len);
+        keep(bytes, &mut self.head);
+        keep(bytes, &mut self.framed);
     }
 
     /// Delimiters arrived, behind bytes or alone.
     pub(super) fn add_delimiters(&mut self, count: usize) {
-        keep(&[0; KEPT][..count.min(KEPT)], &mut self.framed, &mut self.framed_len);
+        keep(&[0; KEPT][..count.min(KEPT)], &mut self.framed);
     }
 
     /// The first bytes.
     #[must_use]
     pub fn head(&self) -> &[u8] {
-        &self.head[..self.head_len]
+        &self.head
     }
 
     /// Delimiters alone explain nothing.
     pub(super) fn forget_delimiters(&mut self) {
-        self.framed_len = 0;
+        self.framed.clear();
     }
 
     /// The first bytes with their delimiters.
     pub(super) fn framed(&self) -> &[u8] {
-        &self.framed[..self.framed_len]
+        &self.framed
     }
 
     /// Whether a person could read them.
@@ -109,11 +94,8 @@ impl RawBytes {
 }
 
 /// Keeps as many of `bytes` as `kept` still takes.
-fn keep(bytes: &[u8], kept: &mut [u8; KEPT], len: &mut usize) {
-    let free = &mut kept[*len..];
-    let count = bytes.len().min(free.len());
-    free[..count].copy_from_slice(&bytes[..count]);
-    *len += count;
+fn keep(bytes: &[u8], kept: &mut heapless::Vec<u8, KEPT>) {
+    kept.extend(bytes.iter().take(KEPT - kept.len()).copied());
 }
 
 fn is_text(byte: u8) -> bool {

@@ -10,30 +10,25 @@ use lashloop_link::terminal::Terminal;
 use crate::device::drive_host::DriveHost;
 use crate::device::error::{COMMAND, DeviceError};
 use crate::device::evidence::DriveFiles;
-use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::kind::{DeviceKind, Opened, Syntax, after};
 use crate::supervisor::{Program, Supervisor, find_program};
 
 const PREFIX: &str = "exec:";
 /// Stands for the path of a pseudo-terminal.
 const TTY: &str = "{tty}";
 
-pub(in crate::device) const SYNTAX: Syntax = Syntax {
-    form: "exec:CMD ARGS",
-    parse: |text| {
-        let kind = parse(text.strip_prefix(PREFIX)?);
-        Some(kind.map(|kind| Box::new(kind) as Box<dyn DeviceKind>))
-    },
-};
+pub(in crate::device) const SYNTAX: Syntax =
+    Syntax { form: "exec:CMD ARGS", parse: |text| after(PREFIX, text, parse) };
 
 fn parse(text: &str) -> Result<CommandDrive, String> {
-    let words = shlex::split(text).ok_or_else(|| format!("exec: a quote in {text:?} is not closed"))?;
+    let words = shlex::split(text).ok_or_else(|| format!("a quote in {text:?} is not closed"))?;
     match words.split_first() {
         Some((program, arguments)) => Ok(CommandDrive {
             text: text.to_owned(),
             program: program.clone(),
             arguments: arguments.to_vec(),
         }),
-        None => Err("exec: needs a command after the colon".to_owned()),
+        None => Err("needs a command after the colon".to_owned()),
     }
 }
 
@@ -77,8 +72,8 @@ impl DeviceKind for CommandDrive {
     }
 
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-        let program = find_program(&self.program)
-            .map_err(|problem| DeviceError::NoProgram { device: self.name(), problem })?;
+        let program =
+            find_program(&self.program).map_err(|problem| DeviceError::unreachable(self.name(), problem))?;
         self.run(program, supervisor).map_err(|source| DeviceError::Spawn { name: COMMAND, source })
     }
 
@@ -108,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_command_that_is_no_command_is_refused() {
-        assert_eq!(parse("  "), Err("exec: needs a command after the colon".to_owned()));
-        assert_eq!(parse("a 'b"), Err("exec: a quote in \"a 'b\" is not closed".to_owned()));
+        assert_eq!(parse("  "), Err("needs a command after the colon".to_owned()));
+        assert_eq!(parse("a 'b"), Err("a quote in \"a 'b\" is not closed".to_owned()));
     }
 }

@@ -12,6 +12,8 @@ use crate::supervisor::{Program, Supervisor, find_program};
 
 /// The emulator.
 const PROGRAM: &str = "qemu-system-arm";
+const NOT_INSTALLED: &str = "qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install \
+                             qemu-system-arm`";
 
 const NAME: &str = "qemu";
 
@@ -50,7 +52,7 @@ impl DeviceKind for Emulator {
 /// emulator's event loop alternate: on two cores each change is a wake-up, and a round trip takes about twice as long.
 fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
     let image = image::find(NAME, image)?;
-    let emulator = find_program(PROGRAM).map_err(|_| DeviceError::NoEmulator)?;
+    let emulator = find_program(PROGRAM).map_err(|_| DeviceError::Missing(NOT_INSTALLED.to_owned()))?;
     let socket = UartSocket::listen().map_err(|source| DeviceError::Spawn { name: "emulator", source })?;
     let process = spawn(supervisor, &program(emulator, &image, &socket.name))?;
     let link = socket.accept(&process, START_LIMIT)?;

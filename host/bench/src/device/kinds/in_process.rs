@@ -29,11 +29,15 @@ pub const fn syntax<L: LawSet>() -> Syntax {
 }
 
 /// The drive with these laws in this process.
-pub struct InProcessDrive<L = Laws>(PhantomData<fn() -> L>);
+pub struct InProcessDrive<L = Laws> {
+    /// The plant behind its pins; `None` for a drive without pins.
+    pins: Option<PinPlant>,
+    laws: PhantomData<fn() -> L>,
+}
 
 impl<L> Default for InProcessDrive<L> {
     fn default() -> Self {
-        Self(PhantomData)
+        Self { pins: None, laws: PhantomData }
     }
 }
 
@@ -49,38 +53,20 @@ impl<L: LawSet> DeviceKind for InProcessDrive<L> {
     }
 
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        if let Some(pins) = &self.pins {
+            let link = InProcessBench::<L>::new(pins, NAME)?;
+            return Ok(Opened { link: Box::new(link), host: DriveHost::External });
+        }
         let link = InProcess::<L>::default();
         let host = DriveHost::InProcess(link.suspension.clone());
         Ok(Opened { link: Box::new(link), host })
     }
 
     fn with_plant(&self, pins: &PinPlant) -> Result<Option<Box<dyn DeviceKind>>, DeviceError> {
-        Ok(Some(Box::new(BenchDrive::<L>(pins.clone(), PhantomData))))
-    }
-}
-
-/// The drive with these laws in this process, with a plant behind its pins.
-struct BenchDrive<L>(PinPlant, PhantomData<fn() -> L>);
-
-impl<L> fmt::Debug for BenchDrive<L> {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str("BenchDrive")
-    }
-}
-
-impl<L: LawSet> DeviceKind for BenchDrive<L> {
-    fn name(&self) -> String {
-        NAME.to_owned()
-    }
-
-    fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-        let Self(pins, _) = self;
-        let torque_per_duty_nm = pins.torque_per_duty_nm(NAME)?;
-        let link = InProcessBench::<L>::new(pins.release(NAME)?, pins.scales, torque_per_duty_nm);
-        Ok(Opened { link: Box::new(link), host: DriveHost::External })
+        Ok(Some(Box::new(Self { pins: Some(pins.clone()), ..Self::default() })))
     }
 
     fn keeps_bench_clock(&self, clock: ClockName) -> bool {
-        clock == ClockName::Lockstep
+        clock == if self.pins.is_some() { ClockName::Lockstep } else { ClockName::RealTime }
     }
 }

@@ -28,9 +28,8 @@ impl DeviceKind for NativeTwin {
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         if supervisor.bench.as_os_str().is_empty() {
             let problem = "a twin is started by a program with the command `device`, and this program has none; use inproc, or \
-                           exec: with such a program"
-                .to_owned();
-            return Err(DeviceError::NoProgram { device: self.name(), problem });
+                           exec: with such a program";
+            return Err(DeviceError::unreachable(self.name(), problem));
         }
         let program = Program {
             name: "native twin",

@@ -8,20 +8,14 @@ use lashloop_link::tcp::{Address, connect};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
-use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::kind::{DeviceKind, Opened, Syntax, after};
 use crate::supervisor::Supervisor;
 
 const PREFIX: &str = "rfc2217:";
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax {
     form: "rfc2217:HOST:PORT",
-    parse: |text| {
-        let address = text.strip_prefix(PREFIX)?.parse();
-        Some(match address {
-            Ok(address) => Ok(Box::new(RemotePort { address }) as Box<dyn DeviceKind>),
-            Err(problem) => Err(format!("{PREFIX} {problem}")),
-        })
-    },
+    parse: |text| after(PREFIX, text, |text| text.parse().map(|address| RemotePort { address })),
 };
 
 /// A drive on a serial port of another machine, behind an RFC 2217 server.
@@ -36,18 +30,12 @@ impl DeviceKind for RemotePort {
         format!("{PREFIX}{}", self.address)
     }
 
-    fn has_drive_per_session(&self) -> bool {
-        false
-    }
-
     fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let (address, device) = (self.address.clone(), self.name());
         let open = move || {
-            let device = || device.clone();
-            let socket =
-                connect(&address).map_err(|source| DeviceError::Connect { device: device(), source })?;
-            let port = Rfc2217::open(Box::new(socket), baud)
-                .map_err(|source| DeviceError::Negotiation { device: device(), source })?;
+            let socket = connect(&address).map_err(|problem| DeviceError::unreachable(&device, problem))?;
+            let port = Rfc2217::open(Box::new(socket), baud);
+            let port = port.map_err(|problem| DeviceError::unreachable(&device, problem))?;
             Ok::<_, DeviceError>(Box::new(port) as Box<dyn Link>)
         };
         Ok(Opened { link: Box::new(Reopening::new(open)?), host: DriveHost::External })
@@ -58,6 +46,6 @@ impl DeviceKind for RemotePort {
     }
 
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
-        Err(DeviceError::HasUart { device: self.name(), baud })
+        Err(DeviceError::has_uart(self.name(), baud))
     }
 }

@@ -12,7 +12,7 @@ use std::time::Duration;
 use tempfile::NamedTempFile;
 
 use crate::device::drive_host::{DriveHost, spawn};
-use crate::device::error::DeviceError;
+use crate::device::error::{DeviceError, listed};
 use crate::device::evidence::DriveFiles;
 use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax, session_number};
@@ -128,8 +128,10 @@ fn find_program(variable: Option<OsString>, this: Option<&Path>) -> Result<PathB
         Some(program) => vec![program.into()],
         None => [Path::new(BUILT)].into_iter().chain(this.and_then(Path::parent)).map(place).collect(),
     };
-    let found = places.iter().find(|program| program.is_file()).cloned();
-    found.ok_or(DeviceError::NoSilicon { places })
+    image::first(places).map_err(|places| {
+        let places = listed(&places);
+        DeviceError::Missing(format!("no virtual silicon at {places}: build it with `cargo xtask silicon`"))
+    })
 }
 
 /// The program in a folder, without the `..` of its path if the folder exists.

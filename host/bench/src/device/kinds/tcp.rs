@@ -6,20 +6,14 @@ use lashloop_link::tcp::{Address, connect_raw};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
-use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::kind::{DeviceKind, Opened, Syntax, after};
 use crate::supervisor::Supervisor;
 
 const PREFIX: &str = "tcp:";
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax {
     form: "tcp:HOST:PORT",
-    parse: |text| {
-        let address = text.strip_prefix(PREFIX)?.parse();
-        Some(match address {
-            Ok(address) => Ok(Box::new(TcpDrive { address }) as Box<dyn DeviceKind>),
-            Err(problem) => Err(format!("{PREFIX} {problem}")),
-        })
-    },
+    parse: |text| after(PREFIX, text, |text| text.parse().map(|address| TcpDrive { address })),
 };
 
 /// A drive behind a TCP port: ser2net's raw mode, an emulator, or a drive with a socket of its own.
@@ -34,16 +28,12 @@ impl DeviceKind for TcpDrive {
         format!("{PREFIX}{}", self.address)
     }
 
-    fn has_drive_per_session(&self) -> bool {
-        false
-    }
-
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let address = self.address.clone();
         let open = move || connect_raw(&address).map(|socket| Box::new(socket) as Box<dyn Link>);
         match Reopening::new(open) {
             Ok(link) => Ok(Opened { link: Box::new(link), host: DriveHost::External }),
-            Err(source) => Err(DeviceError::Connect { device: self.name(), source }),
+            Err(problem) => Err(DeviceError::unreachable(self.name(), problem)),
         }
     }
 

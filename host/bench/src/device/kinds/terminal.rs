@@ -36,10 +36,6 @@ impl DeviceKind for TerminalDrive {
         self.path.display().to_string()
     }
 
-    fn has_drive_per_session(&self) -> bool {
-        false
-    }
-
     fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         Ok(Opened { link: open_terminal(&self.path, baud)?, host: DriveHost::External })
     }
@@ -53,14 +49,9 @@ impl DeviceKind for TerminalDrive {
     }
 
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
-        let path = &self.path;
         let resolved =
-            path.canonicalize().map_err(|source| DeviceError::Open { path: path.clone(), source })?;
-        if is_pseudo_terminal(&resolved) {
-            Ok(())
-        } else {
-            Err(DeviceError::HasUart { device: self.name(), baud })
-        }
+            self.path.canonicalize().map_err(|error| DeviceError::not_opened(&self.path, &error))?;
+        if is_pseudo_terminal(&resolved) { Ok(()) } else { Err(DeviceError::has_uart(self.name(), baud)) }
     }
 }
 
@@ -86,10 +77,8 @@ pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceErro
     };
     match Reopening::explaining(open, OpenError::into_link_error) {
         Ok(link) => Ok(Box::new(link)),
-        Err(OpenError::System(source)) => Err(DeviceError::Open { path: path.to_owned(), source }),
-        Err(OpenError::Adapter(error)) => {
-            Err(DeviceError::Open { path: path.to_owned(), source: io::Error::other(error) })
-        }
+        Err(OpenError::System(error)) => Err(DeviceError::not_opened(path, &error)),
+        Err(OpenError::Adapter(error)) => Err(DeviceError::unreachable(path.display(), error)),
     }
 }
 

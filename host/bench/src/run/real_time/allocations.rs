@@ -14,18 +14,16 @@ use lashloop_firmware::drive::{Clock, Drive};
 use lashloop_link::terminal::Terminal;
 use lashloop_link::{Link, LinkError, TimeBase};
 
-use super::loop_thread::Item;
 use super::pacer::{Pacer, WallClock};
 use super::*;
 use crate::device::kinds::terminal::TerminalDrive;
 use crate::device::{Device, DeviceChoice, DeviceError, DeviceKind, DriveHost, Opened};
 use crate::fault::timeline::Timeline;
-use crate::run::control_loop::LoopSettings;
-use crate::run::run_loop::{RunLoop, StepSource};
+use crate::run::loop_state::LoopSettings;
+use crate::run::run_loop::RunLoop;
 use crate::run::simulator::Simulator;
-use crate::run::step::Step;
-use crate::run::step_sink::StepSink;
-use crate::run::{End, Event, RunError, setup};
+use crate::run::step_sink::{Item, StepSink};
+use crate::run::{End, RunError, setup};
 use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
@@ -157,15 +155,11 @@ struct Counting<'a> {
 }
 
 impl StepSink for Counting<'_> {
-    fn take(&mut self, step: &Step) -> Result<(), RunError> {
-        if self.wastes {
+    fn take(&mut self, item: Item) -> Result<(), RunError> {
+        if let (true, Item::Step(step)) = (self.wastes, &item) {
             drop(std::hint::black_box(Box::new(step.clone())));
         }
-        self.ring.take(step)
-    }
-
-    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
-        self.ring.take_event(step, event)
+        self.ring.take(item)
     }
 
     fn stop_asked(&self) -> bool {
@@ -226,10 +220,9 @@ fn counted(
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
-        let source = StepSource::Simulator(Box::new(simulator));
-        let mut control = RunLoop::new(&scenario, source, timeline, settings, sink);
+        let mut control = RunLoop::new(&scenario, Some(simulator), timeline, settings, sink);
         allocations = allocation_counter::measure(|| {
-            end = Some(close(&mut control, &scenario, &mut device, Pace::Link));
+            end = Some(close(&mut control, &scenario, &mut device, None));
         });
     };
     let drain_steps = || {

@@ -7,21 +7,10 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::run::error::RunError;
-use crate::run::step::Step;
-use crate::run::step_sink::{Event, StepSink};
+use crate::run::step_sink::{Item, StepSink};
 
 /// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
 const CAPACITY: usize = 1 << 14;
-
-/// What goes through the ring.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "nearly every item is a step, and a box would be an allocation on the loop's thread"
-)]
-pub(in crate::run) enum Item {
-    Step(Step),
-    Event { step: u32, event: Event },
-}
 
 /// The loop's end of the ring.
 pub(in crate::run) struct Ring<'a> {
@@ -35,19 +24,11 @@ impl<'a> Ring<'a> {
         let (items, taken) = RingBuffer::new(CAPACITY);
         (Self { items, stop }, taken)
     }
-
-    fn push(&mut self, item: Item) -> Result<(), RunError> {
-        self.items.push(item).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
-    }
 }
 
 impl StepSink for Ring<'_> {
-    fn take(&mut self, step: &Step) -> Result<(), RunError> {
-        self.push(Item::Step(step.clone()))
-    }
-
-    fn take_event(&mut self, step: u32, event: Event) -> Result<(), RunError> {
-        self.push(Item::Event { step, event })
+    fn take(&mut self, item: Item) -> Result<(), RunError> {
+        self.items.push(item).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
     }
 
     fn stop_asked(&self) -> bool {
@@ -64,10 +45,7 @@ pub(in crate::run) fn drain(
     to: &mut impl StepSink,
     stop: &AtomicBool,
 ) -> Result<(), RunError> {
-    let result = std::iter::from_fn(|| items.pop().ok()).try_for_each(|item| match item {
-        Item::Step(step) => to.take(&step),
-        Item::Event { step, event } => to.take_event(step, event),
-    });
+    let result = std::iter::from_fn(|| items.pop().ok()).try_for_each(|item| to.take(item));
     if result.is_err() || to.stop_asked() {
         stop.store(true, Ordering::Relaxed);
     }

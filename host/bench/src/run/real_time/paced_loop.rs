@@ -13,16 +13,8 @@ use crate::scenario::Scenario;
 /// Fraction of a period that is kept free for everything but the exchange: one part in this many.
 pub const PERIOD_MARGIN: u32 = 20;
 
-/// What paces the loop.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::run) enum Pace {
-    /// The wall clock, which the loop polls for the last `spin` of a wait.
-    WallClock { spin: Duration },
-    /// The link's clock.
-    Link,
-}
-
-/// Closes the loop for the duration of the scenario.
+/// Closes the loop for the duration of the scenario. The loop polls the wall clock for the last `spin` of a wait; `None` paces
+/// it by the link's clock.
 ///
 /// # Errors
 /// The device, its link or the record failed.
@@ -30,21 +22,18 @@ pub(in crate::run) fn close<S: StepSink>(
     control: &mut RunLoop<'_, S>,
     scenario: &Scenario,
     device: &mut Device,
-    pace: Pace,
+    spin: Option<Duration>,
 ) -> Result<End, RunError> {
     let steps = control.periods();
     let period = Duration::from_micros(scenario.run.control_period_us.into());
-    let (mut wall_clock, spin) = match pace {
-        Pace::WallClock { spin } => (Some(WallClock::new()), spin),
-        Pace::Link => (None, Duration::ZERO),
-    };
+    let (mut wall_clock, spin) = (spin.map(|_| WallClock::new()), spin.unwrap_or_default());
     let epoch = match &mut wall_clock {
         Some(clock) => clock.now(),
         None => device.session.line.now(),
     };
     let pacer = Pacer::start(epoch, period, spin);
     for step in 0..steps {
-        if control.stop_asked() {
+        if control.state().sink.stop_asked() {
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);

@@ -24,10 +24,3 @@ pub use single::{
 
 pub(super) use field::field;
 pub(super) use single::{name_of, placed_texts, values};
-
-use super::key::Keys;
-
-/// Adds the key of a field of this type.
-pub fn declare<T>(field: &dyn Field<Value = T>, name: &'static str, doc: &'static str, keys: &mut Keys) {
-    field.declare(name, doc.trim_ascii(), keys);
-}

@@ -7,7 +7,7 @@
 /// |---|---|---|
 /// | `struct Name` | `key: Type = field`, or `field as "key": Type = field` | the struct, its [`Settings`](crate::scenario::declare::Settings) |
 /// | `impl Name` | the same | [`Settings`](crate::scenario::declare::Settings) of a struct that is declared elsewhere |
-/// | `struct Name with(name: Type)` | the same; fields may use `name` | the struct, functions `declare` and `read` that take `name` |
+/// | `struct Name with(name: Type)` | the same; fields may use `name` | the struct, a function `read` that takes `name` |
 /// | `enum Name` | `"name" => Variant`, or `default "name" => Variant` | the enum, [`Named`](crate::scenario::declare::Named), `Serialize` as its name |
 /// | `enum Name` | `"name" => Variant { entries }` | the enum, [`Variants`](crate::scenario::declare::Variants) |
 #[macro_export]
@@ -21,40 +21,35 @@ macro_rules! settings {
         }
 
         $crate::settings! {
-            @read $name ($($with: $context)?) $([($key $($word)?) (concat!($($doc),+)) ($type) ($field)])+
+            @read $name ($($with: $context)?) $([($key $($word)?) (concat!($($doc),+)) ($field)])+
         }
     };
     ($(#[doc = $what:literal])* impl $name:ident {
         $($(#[doc = $doc:literal])+ $key:ident: $type:ty = $field:expr,)+
     }) => {
-        $crate::settings! { @read $name () $([($key) (concat!($($doc),+)) ($type) ($field)])+ }
+        $crate::settings! { @read $name () $([($key) (concat!($($doc),+)) ($field)])+ }
     };
-    (@read $name:ident () $([($($key:tt)+) ($doc:expr) ($type:ty) ($field:expr)])+) => {
+    (@read $name:ident () $($entry:tt)+) => {
         impl $crate::scenario::declare::Settings for $name {
-            fn declare(keys: &mut $crate::scenario::key::Keys) {
-                $($crate::scenario::declare::declare::<$type>(&$field, $crate::settings!(@key $($key)+), $doc, keys);)+
-            }
-
             fn read(section: &mut $crate::scenario::Section<'_>) -> Self {
-                $crate::settings!(@new section $([($($key)+) ($field)])+)
+                $crate::settings!(@new section $($entry)+)
             }
         }
     };
-    (@read $name:ident ($with:ident: $context:ty) $([($($key:tt)+) ($doc:expr) ($type:ty) ($field:expr)])+) => {
+    (@read $name:ident ($with:ident: $context:ty) $($entry:tt)+) => {
         impl $name {
-            fn declare(keys: &mut $crate::scenario::key::Keys, $with: $context) {
-                $($crate::scenario::declare::declare::<$type>(&$field, $crate::settings!(@key $($key)+), $doc, keys);)+
-            }
-
             fn read(section: &mut $crate::scenario::Section<'_>, $with: $context) -> Self {
-                $crate::settings!(@new section $([($($key)+) ($field)])+)
+                $crate::settings!(@new section $($entry)+)
             }
         }
     };
-    (@new $section:ident $([($key:ident $($word:literal)?) ($field:expr)])+) => {
+    (@new $section:ident $([($key:ident $($word:literal)?) ($doc:expr) ($field:expr)])+) => {
         Self {
-            $($key: $crate::scenario::declare::Field::read(&$field, $crate::settings!(@key $key $($word)?), $section),)+
+            $($key: $crate::settings!(@field $section, $crate::settings!(@key $key $($word)?), $doc, $field),)+
         }
+    };
+    (@field $section:ident, $name:expr, $doc:expr, $field:expr) => {
+        $crate::scenario::declare::Field::read(&$field, $name, $doc.trim_ascii(), $section)
     };
     (@key $key:ident) => { stringify!($key) };
     (@key $key:ident $word:literal) => { $word };
@@ -106,23 +101,12 @@ macro_rules! settings {
                 }
             }
 
-            fn declare(name: &str, keys: &mut $crate::scenario::key::Keys) -> bool {
-                // A choice whose names have no keys adds none.
-                let _ = &keys;
-                match name {
-                    $($word => {
-                        $($crate::scenario::declare::declare::<$type>(&$field, stringify!($key), concat!($($key_doc),+), keys);)*
-                        true
-                    })+
-                    _ => false,
-                }
-            }
-
             fn read(name: &str, section: &mut $crate::scenario::Section<'_>) -> Option<Self> {
+                // A choice whose names have no keys reads none.
                 let _ = &section;
                 match name {
                     $($word => Some(Self::$variant {
-                        $($key: $crate::scenario::declare::Field::read(&$field, stringify!($key), section),)*
+                        $($key: $crate::settings!(@field section, stringify!($key), concat!($($key_doc),+), $field),)*
                     }),)+
                     _ => None,
                 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::field::{Field, Variants, field};
 use super::named::Named;
-use crate::scenario::key::{Choice, Key, KeyKind, Keys, Selector};
+use crate::scenario::key::{Choice, Key, KeyKind, Selector};
 use crate::scenario::range::NumberRange;
 use crate::scenario::reader::Section;
 use crate::scenario::tree::{Node, Value};
@@ -17,6 +17,7 @@ pub struct Single<T> {
     /// Unit of a number whose name doesn't end with it.
     unit: Option<&'static str>,
     default: Option<T>,
+    required: bool,
     read: fn(&Value) -> Option<T>,
     write: fn(&T) -> Value,
 }
@@ -26,7 +27,7 @@ pub struct Optional<T>(Single<T>);
 
 impl<T: Clone> Single<T> {
     fn new(kind: KeyKind, read: fn(&Value) -> Option<T>, write: fn(&T) -> Value) -> Self {
-        Self { kind, unit: None, default: None, read, write }
+        Self { kind, unit: None, default: None, required: true, read, write }
     }
 
     /// The same key with a default.
@@ -36,13 +37,13 @@ impl<T: Clone> Single<T> {
     }
 
     pub(in crate::scenario) fn with_default(self, default: Option<T>) -> Self {
-        Self { default, ..self }
+        Self { required: default.is_none(), default, ..self }
     }
 
     /// The same key, which may be absent.
     #[must_use]
     pub fn optional(self) -> Optional<T> {
-        Optional(self)
+        Optional(Self { required: false, ..self })
     }
 
     /// The same number in a unit that is not the end of its name.
@@ -56,21 +57,20 @@ impl<T: Clone> Single<T> {
         self.unit.unwrap_or(of_name)
     }
 
-    fn add(&self, name: &'static str, doc: &'static str, required: bool, keys: &mut Keys) {
-        let (unit, kind, default) =
-            (self.unit_of(name), self.kind.clone(), self.default.as_ref().map(self.write));
-        keys.keys.push(Key { name, doc, unit, required, default, kind });
-    }
-
     /// The value; `None` if it is absent, or faulty, and has no default.
-    pub(in crate::scenario) fn find(&self, name: &'static str, section: &mut Section<'_>) -> Option<T> {
-        self.look_up(name, section, self.default.is_none())
-    }
-
-    fn look_up(&self, name: &'static str, section: &mut Section<'_>, is_required: bool) -> Option<T> {
-        let unit = self.unit_of(name);
+    pub(in crate::scenario) fn find(
+        &self,
+        name: &'static str,
+        doc: &'static str,
+        section: &mut Section<'_>,
+    ) -> Option<T> {
+        let (unit, required) = (self.unit_of(name), self.required);
+        section.describe(|keys| {
+            let (kind, default) = (self.kind.clone(), self.default.as_ref().map(self.write));
+            keys.keys.push(Key { name, doc, unit, required, default, kind });
+        });
         let is_fraction = matches!(self.kind, KeyKind::Number(_));
-        let value = match section.look_up(name, unit, || is_required.then(|| self.kind.allowed(unit))) {
+        let value = match section.look_up(name, unit, || required.then(|| self.kind.allowed(unit))) {
             Some(node) if self.accepts(name, unit, node, section) => (self.read)(&node.value),
             // NaN, so that comparisons between keys don't report the same error again.
             Some(_) if is_fraction => self.stand_in(),
@@ -113,24 +113,16 @@ impl<T: Clone> Single<T> {
 impl<T: Clone> Field for Single<T> {
     type Value = T;
 
-    fn declare(&self, name: &'static str, doc: &'static str, keys: &mut Keys) {
-        self.add(name, doc, self.default.is_none(), keys);
-    }
-
-    fn read(&self, name: &'static str, section: &mut Section<'_>) -> T {
-        self.find(name, section).or_else(|| self.stand_in()).expect("a kind reads its own stand-in")
+    fn read(&self, name: &'static str, doc: &'static str, section: &mut Section<'_>) -> T {
+        self.find(name, doc, section).or_else(|| self.stand_in()).expect("a kind reads its own stand-in")
     }
 }
 
 impl<T: Clone> Field for Optional<T> {
     type Value = Option<T>;
 
-    fn declare(&self, name: &'static str, doc: &'static str, keys: &mut Keys) {
-        self.0.add(name, doc, false, keys);
-    }
-
-    fn read(&self, name: &'static str, section: &mut Section<'_>) -> Option<T> {
-        self.0.look_up(name, section, false)
+    fn read(&self, name: &'static str, doc: &'static str, section: &mut Section<'_>) -> Option<T> {
+        self.0.find(name, doc, section)
     }
 }
 
@@ -231,18 +223,13 @@ pub(in crate::scenario) fn name_of(choices: Vec<Choice>) -> Single<String> {
 /// A choice that decides on further keys of its section. A faulty choice is `None`. If it `names_owner`, the error for a key
 /// of another name says whose key it is.
 pub fn tagged<V: Variants>(names_owner: bool) -> impl Field<Value = Option<V>> {
-    let declare = move |name, doc, keys: &mut Keys| {
-        name_of(V::choices()).declare(name, doc, keys);
-        let variant = |Choice { name, .. }: Choice| {
-            let mut keys = Keys::default();
-            V::declare(name, &mut keys);
-            (name, keys)
-        };
-        let variants = V::choices().into_iter().map(variant).collect();
-        keys.selectors.push(Selector { key: name, variants, names_owner });
-    };
-    field(declare, |name, section| {
-        let chosen = name_of(V::choices()).find(name, section);
+    field(move |name, doc, section| {
+        let chosen = name_of(V::choices()).find(name, doc, section);
+        section.describe(|keys| {
+            let read = |name| Section::keys_of(|inside| V::read(name, inside));
+            let variants = V::choices().iter().map(|it| (it.name, read(it.name))).collect();
+            keys.selectors.push(Selector { key: name, variants, names_owner });
+        });
         let variant = chosen.and_then(|chosen| V::read(&chosen, section));
         if variant.is_none() {
             section.accept_the_rest();

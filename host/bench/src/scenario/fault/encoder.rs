@@ -3,7 +3,7 @@
 use lashloop_protocol::EncoderCounts;
 use serde::Serialize;
 
-use crate::scenario::declare::{choice, integer, number};
+use crate::scenario::declare::{integer, number};
 use crate::scenario::range::positive;
 use crate::settings;
 
@@ -14,14 +14,6 @@ settings! {
         "motor" => Motor,
         /// The load.
         "load" => Load,
-    }
-}
-
-settings! {
-    /// The key of every fault of an encoder.
-    pub(super) struct SideKey {
-        /// The encoder's side of the gears.
-        pub(super) side: Side = choice(),
     }
 }
 

@@ -3,13 +3,13 @@
 use serde::Serialize;
 
 use super::device::DeviceFault;
-use super::encoder::{EncoderFault, Side, SideKey};
-use super::link::{FrameFault, LinkFault, Way, WayKey};
+use super::encoder::{EncoderFault, Side};
+use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::RunMode;
-use crate::scenario::declare::{Field as _, Settings, Variants, number, tagged};
-use crate::scenario::key::{Choice, Keys};
+use crate::scenario::declare::{Field as _, Variants, choice, number, tagged};
+use crate::scenario::key::Choice;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
@@ -145,26 +145,14 @@ impl Variants for FaultKind {
         }
     }
 
-    fn declare(name: &str, keys: &mut Keys) -> bool {
-        if FrameFault::declare(name, keys) {
-            WayKey::declare(keys);
-        } else if EncoderFault::declare(name, keys) {
-            SideKey::declare(keys);
-        } else {
-            return LinkFault::declare(name, keys)
-                || MotorFault::declare(name, keys)
-                || PlantFault::declare(name, keys)
-                || DeviceFault::declare(name, keys);
-        }
-        true
-    }
-
     fn read(name: &str, fault: &mut Section<'_>) -> Option<Self> {
         if let Some(kind) = FrameFault::read(name, fault) {
-            return Some(Self::Frame { fault: kind, way: WayKey::read(fault).way });
+            let way = choice().or(Way::Both).read("way", "Direction of the frames.", fault);
+            return Some(Self::Frame { fault: kind, way });
         }
         if let Some(kind) = EncoderFault::read(name, fault) {
-            return Some(Self::Encoder { fault: kind, side: SideKey::read(fault).side });
+            let side = choice().read("side", "The encoder's side of the gears.", fault);
+            return Some(Self::Encoder { fault: kind, side });
         }
         (LinkFault::read(name, fault).map(Self::Link))
             .or_else(|| MotorFault::read(name, fault).map(Self::Motor))

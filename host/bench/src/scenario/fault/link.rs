@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::scenario::declare::{choice, integer, number};
+use crate::scenario::declare::{integer, number};
 use crate::scenario::range::positive;
 use crate::settings;
 
@@ -15,14 +15,6 @@ settings! {
         "to-drive" => ToDrive,
         /// From the drive to the bench.
         "to-bench" => ToBench,
-    }
-}
-
-settings! {
-    /// The key of every fault of frames.
-    pub(super) struct WayKey {
-        /// Direction of the frames.
-        pub(super) way: Way = choice().or(Way::Both),
     }
 }
 

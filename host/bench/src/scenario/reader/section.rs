@@ -1,17 +1,17 @@
 //! A section of the document while it is read.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 
 use super::unknown::Known;
 use crate::scenario::error::ScenarioError;
-use crate::scenario::key::{Further, Keys};
+use crate::scenario::key::{Further, Key, KeyKind, Keys};
 use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::spelling::spell_key;
 use crate::scenario::tree::{Node, Table, Value};
 
-/// A section that is being read.
+/// A section that is being read, or described: a described one is absent, and each look-up adds its key.
 pub struct Section<'a> {
     path: String,
     /// Where the section begins.
@@ -22,6 +22,8 @@ pub struct Section<'a> {
     /// Required keys that are absent, and what each must be.
     missing: Vec<(&'static str, String)>,
     accepts_the_rest: bool,
+    /// What a described section has; `None` for one that is only read.
+    pub(in crate::scenario) keys: Option<Keys>,
     findings: &'a Findings,
 }
 
@@ -54,15 +56,14 @@ pub(in crate::scenario) struct Document<T> {
     pub(in crate::scenario) errors: Vec<ScenarioError>,
 }
 
-/// Reads a document with the keys that `declare` declares.
+/// Reads a document with the keys that `read` looks up.
 pub(in crate::scenario) fn read_document<T>(
     table: &Table,
     start: Origin,
-    declare: &dyn Fn(&mut Keys),
-    read: impl FnOnce(&mut Section<'_>) -> T,
+    read: impl Fn(&mut Section<'_>) -> T,
 ) -> Document<T> {
     let findings = Findings::default();
-    let result = Section::new(String::new(), start, Some(table), &findings).read(declare, read);
+    let result = Section::new(String::new(), start, Some(table), &findings).read(&read);
     let Findings { errors, numbers } = findings;
     Document { result, numbers: numbers.into_inner(), errors: errors.into_inner() }
 }
@@ -70,35 +71,52 @@ pub(in crate::scenario) fn read_document<T>(
 impl<'a> Section<'a> {
     fn new(path: String, origin: Origin, table: Option<&'a Table>, findings: &'a Findings) -> Self {
         let (known, missing) = (Vec::new(), Vec::new());
-        Self { path, origin, table, known, missing, accepts_the_rest: false, findings }
+        Self { path, origin, table, known, missing, accepts_the_rest: false, keys: None, findings }
     }
 
-    /// Calls `use_it` with a section that has no key.
-    pub(in crate::scenario) fn empty<T>(use_it: impl FnOnce(&Section<'_>) -> T) -> T {
+    /// The keys that `read` looks up.
+    pub fn keys_of<T>(read: impl FnOnce(&mut Section<'_>) -> T) -> Keys {
         let findings = Findings::default();
-        use_it(&Section::new(String::new(), Origin::Option(Arc::from("")), None, &findings))
+        let mut section = Section::new(String::new(), Origin::Option(Arc::from("")), None, &findings);
+        section.keys = Some(Keys::default());
+        read(&mut section);
+        section.keys.unwrap_or_default()
+    }
+
+    /// Adds to the keys of a section that is being described.
+    pub(in crate::scenario) fn describe(&mut self, add: impl FnOnce(&mut Keys)) {
+        if let Some(keys) = &mut self.keys {
+            add(keys);
+        }
+    }
+
+    fn describe_section(&mut self, name: &'static str, doc: &'static str, kind: impl FnOnce() -> KeyKind) {
+        self.describe(|keys| {
+            keys.keys.push(Key { name, doc, unit: "", required: false, default: None, kind: kind() });
+        });
     }
 
     /// Reads this section, then reports missing and unknown keys.
-    fn read<T>(mut self, declare: &dyn Fn(&mut Keys), read: impl FnOnce(&mut Self) -> T) -> T {
+    fn read<T>(mut self, read: &impl Fn(&mut Section<'_>) -> T) -> T {
         let result = read(&mut self);
-        self.finish(declare);
+        self.finish(read);
         result
     }
 
-    /// A section inside this one, with the keys that `declare` declares. An absent section reads as its defaults.
+    /// A section inside this one, with the keys that `read` looks up. An absent section reads as its defaults.
     pub(in crate::scenario) fn section<T>(
         &mut self,
         key: &'static str,
-        declare: &dyn Fn(&mut Keys),
-        read: impl FnOnce(&mut Section<'_>) -> T,
+        doc: &'static str,
+        read: &impl Fn(&mut Section<'_>) -> T,
     ) -> T {
+        self.describe_section(key, doc, || KeyKind::Section(Self::keys_of(read)));
         let path = self.path_of(key);
         let Some(node) = self.look_up(key, "", || None) else {
-            return Section::new(path, self.origin.clone(), None, self.findings).read(declare, read);
+            return Section::new(path, self.origin.clone(), None, self.findings).read(read);
         };
         if let Some(table) = node.table() {
-            return Section::new(path, node.origin.clone(), Some(table), self.findings).read(declare, read);
+            return Section::new(path, node.origin.clone(), Some(table), self.findings).read(read);
         }
         if matches!(&node.value, Value::Array(items) if items.iter().all(|item| item.table().is_some())) {
             self.reject(key, format!("is a list; there is one section, so write [{path}]"));
@@ -106,16 +124,17 @@ impl<'a> Section<'a> {
             self.wrong_type(key, node, format!("a section [{path}]"));
         }
         let ignored = Findings::default();
-        Section::new(path, node.origin.clone(), None, &ignored).read(declare, read)
+        Section::new(path, node.origin.clone(), None, &ignored).read(read)
     }
 
     /// The sections of a list `[[key]]`. An absent list is empty.
     pub(in crate::scenario) fn sections<T>(
         &mut self,
         key: &'static str,
-        declare: &dyn Fn(&mut Keys),
-        mut read: impl FnMut(&mut Section<'_>) -> T,
+        doc: &'static str,
+        read: &impl Fn(&mut Section<'_>) -> T,
     ) -> Vec<T> {
+        self.describe_section(key, doc, || KeyKind::Sections(Self::keys_of(read)));
         let Some(node) = self.look_up(key, "", || None) else {
             return Vec::new();
         };
@@ -138,7 +157,7 @@ impl<'a> Section<'a> {
                 continue;
             };
             let section = Section::new(self.path_of(&name), item.origin.clone(), Some(table), self.findings);
-            sections.push(section.read(declare, &mut read));
+            sections.push(section.read(read));
         }
         sections
     }
@@ -179,11 +198,7 @@ impl<'a> Section<'a> {
     /// Reports a value that contradicts others. `reason` continues the sentence after the value.
     pub fn reject(&self, key: &str, reason: impl Into<String>) {
         if let Some(node) = self.node(key) {
-            self.error(
-                key,
-                node,
-                KeyError::Rejected { found: node.value.to_string(), reason: reason.into() },
-            );
+            self.error(key, node, KeyError::rejected(&node.value, reason));
         }
     }
 
@@ -194,8 +209,7 @@ impl<'a> Section<'a> {
 
     /// Reports the section. `reason` continues the sentence after `found`.
     pub(in crate::scenario) fn reject_all(&self, found: String, reason: impl Into<String>) {
-        let error = KeyError::Rejected { found, reason: reason.into() };
-        self.push(self.path.clone(), self.origin.clone(), error);
+        self.push(self.path.clone(), self.origin.clone(), KeyError::rejected(found, reason));
     }
 
     /// Reports an error of the value of `key`.
@@ -262,16 +276,18 @@ impl<'a> Section<'a> {
         });
     }
 
-    fn finish(mut self, declare: &dyn Fn(&mut Keys)) {
+    fn finish<T>(mut self, read: &impl Fn(&mut Section<'_>) -> T) {
+        let declared = OnceCell::new();
         for (name, node) in self.table.into_iter().flat_map(Table::iter) {
             if self.accepts_the_rest || self.known.iter().any(|(known, _)| *known == name) {
                 continue;
             }
-            let (keys, declared, given) = (&self.known, Keys::of(declare), |key: &str| self.node(key));
+            let declared = declared.get_or_init(|| Self::keys_of(read));
+            let (keys, given) = (&self.known, |key: &str| self.node(key));
             if declared.further != Further::Rejected {
                 break;
             }
-            let known = Known { keys, declared: &declared, given: &given };
+            let known = Known { keys, declared, given: &given };
             let (error, meant) = known.explain(name, &node.value);
             self.error(&spell_key(name), node, error);
             // A key under a wrong name is reported once, and not also as missing; so is a section with all its keys.

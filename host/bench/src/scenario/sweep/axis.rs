@@ -100,15 +100,6 @@ impl Range {
     }
 }
 
-/// Whether a method samples ranges itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sampling {
-    /// An axis has values, or a range with a number of points.
-    Axis,
-    /// An axis has a range; the sweep has the number of points.
-    Sweep,
-}
-
 settings! {
     /// `[[sweep.axis]]` as it is written.
     pub(super) struct AxisKeys {
@@ -128,14 +119,15 @@ settings! {
 }
 
 impl Axis {
-    pub(super) fn checked(keys: AxisKeys, axis: &mut Section<'_>, sampling: Sampling) -> Self {
+    /// The axis of a sweep. One that `is_sampled` has the number of points itself, for ranges alone.
+    pub(super) fn checked(keys: AxisKeys, axis: &mut Section<'_>, is_sampled: bool) -> Self {
         let AxisKeys { key, values, min, max, points, scale } = keys;
         if key.split('.').next() == Some("sweep") {
             axis.reject("key", "is a key of the sweep itself; name a key of the run");
         }
         let values = match (values, min, max) {
             (Some(values), None, None) => {
-                if sampling == Sampling::Sweep {
+                if is_sampled {
                     axis.reject("values", "is a list, and a Latin hypercube samples min to max");
                 }
                 for key in ["points", "scale"] {
@@ -150,9 +142,9 @@ impl Axis {
                 if scale == Scale::Logarithmic && min <= 0.0 {
                     axis.reject("min", "has no logarithm; it must be > 0");
                 }
-                match (sampling, points) {
-                    (Sampling::Axis, None) => axis.reject_section("has a range without points; add points"),
-                    (Sampling::Sweep, Some(_)) => {
+                match (is_sampled, points) {
+                    (false, None) => axis.reject_section("has a range without points; add points"),
+                    (true, Some(_)) => {
                         axis.reject("points", "is given twice: sweep.points is for every axis");
                     }
                     _ => {}

@@ -10,7 +10,7 @@ mod latin_hypercube;
 
 pub use axis::Setting;
 
-use axis::{Axis, Sampling, Values};
+use axis::{Axis, Values};
 
 use super::declare::{Named, by, choice, integer, sections, skipped};
 use super::origin::Origin;
@@ -49,19 +49,17 @@ settings! {
         seeds: Option<u32> = integer(1..=axis::MAX_VALUES).optional(),
         /// A key that varies.
         axes as "axis": Vec<Axis> = by(|sweep| {
-            let sampling = sampling(sweep);
-            sections(move |keys, axis| Axis::checked(keys, axis, sampling))
+            let is_sampled = is_sampled(sweep);
+            sections(move |keys, axis| Axis::checked(keys, axis, is_sampled))
         }),
         /// Where the section begins.
         origin: Origin = skipped(|sweep| sweep.origin.clone()),
     }
 }
 
-fn sampling(sweep: &Section<'_>) -> Sampling {
-    match sweep.text("method").and_then(Method::named) {
-        Some(Method::LatinHypercube) => Sampling::Sweep,
-        _ => Sampling::Axis,
-    }
+/// Whether the method samples the ranges of the axes.
+fn is_sampled(sweep: &Section<'_>) -> bool {
+    sweep.text("method").and_then(Method::named) == Some(Method::LatinHypercube)
 }
 
 impl Sweep {
@@ -69,11 +67,9 @@ impl Sweep {
         if !sweep.is_given() {
             return self;
         }
-        match (sampling(sweep), self.points) {
-            (Sampling::Sweep, None) => {
-                sweep.reject_section("is a Latin hypercube without points; add points");
-            }
-            (Sampling::Axis, Some(_)) => sweep.reject("points", "belongs to method = \"latin-hypercube\""),
+        match (is_sampled(sweep), self.points) {
+            (true, None) => sweep.reject_section("is a Latin hypercube without points; add points"),
+            (false, Some(_)) => sweep.reject("points", "belongs to method = \"latin-hypercube\""),
             _ => {}
         }
         if let Some(problem) = self.problem() {

@@ -4,7 +4,6 @@ use lashloop_plant::reference::Reference;
 
 use crate::scenario::controller::ParameterSetting;
 use crate::scenario::error::ScenarioError;
-use crate::scenario::key_error::KeyError;
 use crate::scenario::reader::Number;
 use crate::scenario::tree::Table;
 
@@ -28,9 +27,7 @@ impl Facts<'_> {
 
     /// An error at a key that isn't a number, if the scenario gives the key.
     pub(super) fn error_at(&self, path: &str, reason: String) -> Option<ScenarioError> {
-        let origin = self.tree.find(path)?.origin.clone();
-        let error = KeyError::Rejected { found: "this file".to_owned(), reason };
-        Some(ScenarioError::Key { origin, key: path.to_owned(), error: Box::new(error) })
+        Some(ScenarioError::rejected(&self.tree.find(path)?.origin, path, "this file", reason))
     }
 
     /// All numbers in rad of a section.
@@ -45,10 +42,6 @@ impl Number {
     pub(super) fn error(&self, reason: String) -> ScenarioError {
         let found =
             if self.is_given { format!("{}", self.value) } else { format!("the default of {}", self.value) };
-        ScenarioError::Key {
-            origin: self.origin.clone(),
-            key: self.path.clone(),
-            error: Box::new(KeyError::Rejected { found, reason }),
-        }
+        ScenarioError::rejected(&self.origin, &self.path, found, reason)
     }
 }

@@ -51,15 +51,11 @@ pub(super) fn check_meant(meant: Vec<Trap>, root: &mut Section<'_>) -> Vec<Trap>
     if entries.len() == meant.len() {
         for (index, (trap, entry)) in meant.iter().zip(entries).enumerate() {
             if meant[..index].contains(trap) {
-                root.error("meant", entry, rejected(entry, "is given twice"));
+                root.error("meant", entry, KeyError::rejected(&entry.value, "is given twice"));
             }
         }
     }
     meant
-}
-
-fn rejected(node: &Node, reason: &str) -> KeyError {
-    KeyError::Rejected { found: node.value.to_string(), reason: reason.to_owned() }
 }
 
 /// Errors of all traps that aren't meant, and of entries of `meant` that silence nothing.
@@ -79,12 +75,8 @@ pub(super) fn check(facts: &Facts<'_>, meant: &[Trap]) -> Vec<ScenarioError> {
         // A sweep by options may pass through values that need no entry.
         let is_needed = !found.is_empty() || (trap == Trap::Mismatch && mismatch::depends_on_drive(facts));
         if !is_needed && !facts.is_overridden {
-            let error = rejected(entry, "silences nothing: the scenario has no such trap; omit it");
-            errors.push(ScenarioError::Key {
-                origin: entry.origin.clone(),
-                key: "meant".to_owned(),
-                error: Box::new(error),
-            });
+            let reason = "silences nothing: the scenario has no such trap; omit it";
+            errors.push(ScenarioError::rejected(&entry.origin, "meant", &entry.value, reason));
         }
     }
     errors

@@ -8,7 +8,7 @@ use std::io;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-pub(super) use read::{End, Entry, read};
+pub(super) use read::{End, Entry, read, take};
 pub(super) use write::Writer;
 
 /// At the start and the end of a file.

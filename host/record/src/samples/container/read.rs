@@ -135,7 +135,8 @@ fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
     Ok(records)
 }
 
-fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+/// Takes bytes off the front; `None` if they are too few.
+pub(in crate::samples) fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
     let (first, rest) = bytes.split_first_chunk()?;
     *bytes = rest;
     Some(*first)

@@ -135,11 +135,8 @@ impl Writer {
         let MessageHead { channel, sequence, log_time, publish_time } = *head;
         let length = (2 + 4 + 8 + 8 + data.len()) as u64;
         self.chunk.push(opcode::MESSAGE);
-        self.chunk.extend_from_slice(&length.to_le_bytes());
-        self.chunk.extend_from_slice(&channel.to_le_bytes());
-        self.chunk.extend_from_slice(&sequence.to_le_bytes());
-        self.chunk.extend_from_slice(&log_time.to_le_bytes());
-        self.chunk.extend_from_slice(&publish_time.to_le_bytes());
+        let head = Content(std::mem::take(&mut self.chunk)).u64(length).u16(channel).u32(sequence);
+        self.chunk = head.u64(log_time).u64(publish_time).0;
         self.chunk.extend_from_slice(data);
         self.messages[usize::from(channel) - 1] += 1;
         for range in [&mut self.chunk_ns, &mut self.all_ns] {

@@ -121,19 +121,19 @@ pub(in super::super) fn expectations(results: &CampaignResults<'_>) -> Markup {
 }
 
 fn row(results: &CampaignResults<'_>, judged: &Judged) -> Markup {
-    let (class, symbol) = match judged.state {
-        State::Met => ("pass", "\u{2713}"),
-        State::Missed => ("fail", "\u{2715}"),
-        State::NotShown => ("marginal", "\u{25b3}"),
+    let tone = match judged.state {
+        State::Met => Tone::Pass,
+        State::Missed => Tone::Fail,
+        State::NotShown => Tone::Marginal,
     };
     let bound = |cell: Option<Cell>| match cell {
         Some(cell) => number(cell, None),
         None => html! { span.absent { "unbounded" } },
     };
     html! {
-        tr class=(class) {
+        tr class=(tone.class()) {
             th scope="row" { (judged.what()) small { (of(judged)) } }
-            td { span class={ "grade " (class) } { (symbol) " " (judged.state.word()) } }
+            td { span class={ "grade " (tone.class()) } { (tone.symbol()) " " (judged.state.word()) } }
             td.number data-label="value" { (number(judged.value, judged.max.or(judged.below).or(judged.min))) (unit(results, judged)) }
             td.number data-label="interval" {
                 @if let (Some([low, high]), Some(confidence)) = (judged.interval, judged.confidence) {

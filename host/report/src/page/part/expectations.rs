@@ -4,8 +4,9 @@ use lashloop_bench::verdict::JudgedExpectation;
 use lashloop_campaign::suite::check::Check;
 use maud::{Markup, html};
 
-use super::super::margin::{Grade, Margin};
+use super::super::margin::Margin;
 use super::super::typeset::{self, apart, percent, shown};
+use super::super::why::Tone;
 
 pub(in super::super) fn section(expectations: &[JudgedExpectation]) -> Markup {
     html! {
@@ -29,26 +30,17 @@ pub(in super::super) fn section(expectations: &[JudgedExpectation]) -> Markup {
 
 fn row(expectation: &JudgedExpectation) -> Markup {
     let check = Check::from(expectation);
-    let grade = Grade::of_check(&check);
+    let tone = Tone::of_check(&check);
     let unit = &typeset::unit(&check.unit);
     html! {
-        tr class=(grade.name()) {
+        tr class=(tone.class()) {
             th scope="row" { (check.name) }
-            td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
+            td { span class={ "grade " (tone.class()) } { (tone.symbol()) " " (tone.class()) } }
             td.number data-label="value" { (judged(&check, expectation.reason.as_deref())) }
             td.number data-label="limits" { (limits(&check)) " " (unit) }
             td.number data-label="margin" { (margin(&check)) }
             td.gauge { (gauge(&check)) }
         }
-    }
-}
-
-/// A sign in addition to the colour.
-fn symbol(grade: Grade) -> &'static str {
-    match grade {
-        Grade::Pass => "\u{2713}",
-        Grade::Marginal => "\u{25b3}",
-        Grade::Fail => "\u{2715}",
     }
 }
 
@@ -118,7 +110,7 @@ fn places(check: &Check) -> Option<(f64, f64, f64)> {
 
 fn gauge(check: &Check) -> Markup {
     let Some((from, to, at)) = places(check) else { return html! {} };
-    let grade = Grade::of_check(check).name();
+    let grade = Tone::of_check(check).class();
     let text = format!("{}: {grade}", check.name);
     html! {
         svg viewBox="0 0 120 14" role="img" aria-label=(text) {

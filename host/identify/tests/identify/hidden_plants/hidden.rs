@@ -1,19 +1,15 @@
 //! Hidden plants: drawn at random, reached through torques and counts only.
 //!
-//!
 //! Inertias, stiffness, damping, frictions and lag are within a factor of 2 of the paper's bench, evenly in their logarithm;
 //! the gap is 0.02 to 0.5 rad wide. The plant is integrated in four times as many steps as the estimator's model.
 
+use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use lashloop_identify::{Instruments, Series, SeriesError};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
 
-use crate::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
-use crate::series::{Instruments, Series, SeriesError};
-
-/// Control period of a hidden plant's motions.
-pub const PERIOD_US: u32 = 1000;
 const DELAY_US: u32 = 1000;
 const SUBSTEPS: u32 = 16;
 
@@ -40,8 +36,10 @@ struct Present {
 }
 
 impl HiddenPlant {
+    /// Control period of its motions.
+    pub const PERIOD_US: u32 = 1000;
+
     /// PCG XSL 128/64, seeded with the number of the plant.
-    #[must_use]
     pub fn draw(seed: u64) -> Self {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
@@ -76,23 +74,17 @@ impl HiddenPlant {
     }
 
     /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
-    #[must_use]
     pub fn with_noise(self, noise_counts: f64) -> Self {
         Self { noise_counts, ..self }
     }
 
     /// What a commissioning gets of it.
-    #[must_use]
     pub fn instruments(&self) -> Instruments {
         let [motor, load] = self.counts_per_rev;
         Instruments { noise_counts: self.noise_counts, ..Instruments::exact(motor, load, DELAY_US) }
     }
 
     /// The true value of a quantity by its name.
-    ///
-    /// # Panics
-    /// No quantity has this name.
-    #[must_use]
     pub fn truth(&self, name: &str) -> f64 {
         let Self { mechanics, shaft, .. } = self;
         let asymmetry = shaft.load_asymmetry;
@@ -124,9 +116,7 @@ impl HiddenPlant {
             other => panic!("no truth for {other}"),
         }
     }
-}
 
-impl HiddenPlant {
     fn release(&self) -> Present {
         let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
         let mut seeds = 1..;
@@ -145,7 +135,7 @@ impl DriveTrain for HiddenPlant {
     fn make(&mut self, motion: &PlannedMotion, mut guard: Guard) -> Result<Option<Made>, SeriesError> {
         let mut present = self.present.take().unwrap_or_else(|| self.release());
         let Present { plant, encoders } = &mut present;
-        let mut delay = TransportDelay::new(DELAY_US, PERIOD_US);
+        let mut delay = TransportDelay::new(DELAY_US, Self::PERIOD_US);
         let (mut torques_nm, mut counts) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut halt = None;
         for &planned_nm in &motion.torque_nm {
@@ -168,7 +158,7 @@ impl DriveTrain for HiddenPlant {
             return Ok(None);
         }
         let [motor_counts, load_counts] = counts;
-        let series = Series::new(PERIOD_US, torques_nm, motor_counts, load_counts)?;
+        let series = Series::new(Self::PERIOD_US, torques_nm, motor_counts, load_counts)?;
         Ok(Some(Made { series, halt, peaks: guard.peaks() }))
     }
 }

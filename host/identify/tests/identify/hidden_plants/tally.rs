@@ -58,19 +58,16 @@ impl Coverage {
     }
 
     /// Quantities outside their interval on more than one plant of ten; of fewer than ten plants one may miss.
-    #[must_use]
     pub fn missed(&self) -> Vec<String> {
         self.lines(|it| it.observed - it.covered > (it.observed / 10).max(1))
     }
 
     /// Quantities that the motions show on fewer than half of the plants.
-    #[must_use]
     pub fn unobserved(&self) -> Vec<String> {
         self.lines(|it| 2 * it.observed < self.plants)
     }
 
     /// Fraction of all intervals that contain the truth.
-    #[must_use]
     pub fn fraction(&self) -> f64 {
         let sum = |of: fn(&Tally) -> usize| self.tallies.values().map(of).sum::<usize>() as f64;
         sum(|it| it.covered) / sum(|it| it.observed)
@@ -85,7 +82,6 @@ impl Coverage {
     }
 
     /// Whether the model follows nine of ten plants.
-    #[must_use]
     pub fn follows(&self) -> bool {
         10 * self.followed >= 9 * self.plants
     }
