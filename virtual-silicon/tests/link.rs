@@ -92,8 +92,10 @@ fn nothing() -> Action {
 #[test]
 fn the_core_does_not_wait_for_the_line() {
     let (image, requests) = (image(), 20);
+    // The answers, one after the other without a pause, and a little more.
+    let time = BYTE * (requests * IDENTITY_BYTES) as u32 * 6 / 5;
     let [idle, busy] = [0, requests]
-        .map(|requests| run(&image, vec![(BOOTED_AT, send(requests)), (BOOTED_AT + LONG, nothing())]));
+        .map(|requests| run(&image, vec![(BOOTED_AT, send(requests)), (BOOTED_AT + time, nothing())]));
     let bytes = busy.surroundings.received.len() - idle.surroundings.received.len();
     assert_eq!(bytes, requests * IDENTITY_BYTES);
     let instructions = (busy.instructions - idle.instructions) as f64;

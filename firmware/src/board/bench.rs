@@ -13,7 +13,7 @@ use super::parts::{PeriodTimer as _, StageLines as _};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
-use crate::input_filter::FILTERS_NS;
+use crate::input_filter::FILTERS;
 use crate::law::LawSet;
 use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
@@ -24,7 +24,7 @@ pub type Stage = Actuator<PwmStage<<Fitted as Chip>::Pwm, <Fitted as Chip>::Stag
 /// Limits of 16-bit encoder counters and their filters, and of a tick whose timer counts microseconds in 32 bits.
 pub(super) const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: LARGEST_MOVE_COUNTS,
-    filters_ns: &FILTERS_NS,
+    filters: &FILTERS,
     stage_modes: <Fitted as Chip>::StageLines::MODES,
     longest_period_us: u32::MAX,
 };

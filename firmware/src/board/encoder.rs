@@ -2,7 +2,7 @@
 
 use super::parts::{CORE_HZ, EncoderInput};
 use crate::drive::EncoderReading;
-use crate::input_filter::{FILTERS_NS, filter_for};
+use crate::input_filter::{FILTERS, InputFilter, filter_for};
 use crate::quadrature::{QuadratureCounter, Sampled};
 
 /// One encoder.
@@ -26,7 +26,7 @@ impl<I: EncoderInput> Encoder<I> {
     /// Sets the shortest filter that stops pulses of this length; without one the drive doesn't arm. The count of an encoder at rest
     /// stays.
     pub(super) fn set_filter(&mut self, pulse_ns: u32) {
-        if let Some(filter) = filter_for(&FILTERS_NS, pulse_ns)
+        if let Some(filter) = filter_for(&FILTERS, pulse_ns)
             && filter != self.filter
         {
             let count = self.input.count();
@@ -38,10 +38,10 @@ impl<I: EncoderInput> Encoder<I> {
     }
 
     fn configure(&mut self, filter: usize) {
-        let Some(filter_ns) = FILTERS_NS.get(filter) else { return };
+        let Some(InputFilter { passes_ns, .. }) = FILTERS.get(filter) else { return };
         self.input.set_filter(filter);
         // The filter, a quarter of it for the phase of its samples, and the synchronisation.
-        self.pin_to_count_cycles = (filter_ns * (CORE_HZ as f32 * 1e-9 * 1.25)) as u32 + 10;
+        self.pin_to_count_cycles = (passes_ns * (CORE_HZ as f32 * 1e-9 * 1.25)) as u32 + 10;
         self.filter = filter;
     }
 

@@ -1,6 +1,6 @@
 //! The parts of a chip that the drive uses, each a trait, and what all of them share.
 
-use crate::input_filter::FILTERS_NS;
+use crate::input_filter::FILTERS;
 use crate::power_stage::{PowerStageFault, StageMode};
 
 /// Core clock of every family, Hz: the maximum of the STM32F405, and the rate of SysTick in QEMU. So every time of the drive is
@@ -19,9 +19,9 @@ pub const WATCHDOG_MS: u32 = 5;
 /// of the core.
 pub const WATCHDOG_POLLS: u32 = 20_000;
 
-/// The filters of [`FILTERS_NS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a
+/// The filters of [`FILTERS`] in ICxF: 4 and 8 samples at the timer's 84 MHz, 6 and 8 at half of it, then 8 at a 4th, an 8th, a
 /// 16th and a 32nd.
-pub const ENCODER_FILTERS: [u8; FILTERS_NS.len()] =
+pub const ENCODER_FILTERS: [u8; FILTERS.len()] =
     [0b0010, 0b0011, 0b0100, 0b0101, 0b0111, 0b1001, 0b1100, 0b1111];
 
 /// A received byte was lost: overrun of the port or the queue, framing error or noise.
@@ -75,7 +75,7 @@ pub trait Transmitter: Send + 'static {
 
 /// A quadrature encoder: a counter of every edge of both channels, 16 bits, and its pins.
 pub trait EncoderInput: Send + 'static {
-    /// Selects the filter of both channels by its index in [`FILTERS_NS`].
+    /// Selects the filter of both channels by its index in [`FILTERS`].
     fn set_filter(&mut self, filter: usize);
 
     /// The count.

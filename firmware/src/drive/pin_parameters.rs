@@ -41,7 +41,7 @@ crate::parameters! {
         twist_limit_rad: F32 = 10.0 in 1e-3..=1e5, "rad";
         /// Pulses on a channel of an encoder up to this length are noise. No longer filter passes the default speed limit of the
         /// motor.
-        encoder_filter_ns: U32 = 48 in 0..=3048, "ns";
+        encoder_filter_ns: U32 = 35 in 0..=2666, "ns";
         /// What the outputs mean to the power stage.
         stage_mode: StageChoice = Board;
         /// Frequency of the pulse-width modulation.

@@ -7,7 +7,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::Outcome;
 
 use super::refusal::Refusal;
-use crate::input_filter::filter_for;
+use crate::input_filter::{InputFilter, filter_for};
 use crate::law::{DriveParameters, ParameterError, ROUNDING};
 use crate::power_stage::{PowerStageFault, StageMode};
 
@@ -21,8 +21,8 @@ const REST_COUNTS: u32 = 4;
 pub struct PinHardware {
     /// Largest motion of an encoder in one period that its counter shows without ambiguity, in counts.
     pub largest_move_counts: u16,
-    /// Lengths of the filters that the inputs of an encoder can have, in ns, ascending.
-    pub filters_ns: &'static [f32],
+    /// Filters that the inputs of an encoder can have, ascending.
+    pub filters: &'static [InputFilter],
     /// Modes that the outputs to the power stage can have, that of the parameters' defaults first.
     pub stage_modes: &'static [StageMode],
     /// Longest period of the tick, in us.
@@ -45,18 +45,18 @@ impl PinHardware {
     /// # Errors
     /// The inputs have no such filter.
     pub(super) fn limits(&self, encoder_filter_ns: u32) -> Result<PinLimits, ParameterError> {
-        let at = filter_for(self.filters_ns, encoder_filter_ns);
-        let Some(filter_ns) = at.and_then(|at| self.filters_ns.get(at)) else {
+        let at = filter_for(self.filters, encoder_filter_ns);
+        let Some(filter) = at.and_then(|at| self.filters.get(at)) else {
             return Err(ParameterError {
                 name: "encoder_filter_ns",
                 value: encoder_filter_ns as f32,
-                max: self.filters_ns.last().copied().unwrap_or_default(),
+                max: self.filters.last().map_or(0.0, |filter| filter.stops_ns),
                 given_by: "the longest filter of the inputs",
             });
         };
         Ok(PinLimits {
             largest_move_counts: f32::from(self.largest_move_counts),
-            largest_counts_per_s: 1.5e9 / filter_ns,
+            largest_counts_per_s: 1.5e9 / filter.passes_ns,
             longest_period_us: self.longest_period_us as f32,
         })
     }

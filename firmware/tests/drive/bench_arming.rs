@@ -168,10 +168,10 @@ fn what_the_hardware_cannot_do_is_inconsistent_by_name() {
         ("motor_speed_limit_rad_s", &[("period_us", U32(2000))]),
         // 32,767 counts in 0.25 ms are 131 million in a second; the default filter passes 31 million, 1510 rad/s.
         ("motor_speed_limit_rad_s", &[("period_us", U32(250)), ("motor_speed_limit_rad_s", F32(1515.0))]),
-        // One of 143 ns passes 10.5 million, 503 rad/s.
+        // The one that stops 119 ns passes 10.5 million, 503 rad/s.
         (
             "motor_speed_limit_rad_s",
-            &[("encoder_filter_ns", U32(143)), ("motor_speed_limit_rad_s", F32(505.0))],
+            &[("encoder_filter_ns", U32(119)), ("motor_speed_limit_rad_s", F32(505.0))],
         ),
         ("torque_limit_nm", &[("torque_per_duty_nm", F32(200.0))]),
         ("duty_min", &[("duty_min", F32(0.6))]),

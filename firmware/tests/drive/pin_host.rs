@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock, PinHardware, PinParameters, PinReadings};
-use lashloop_firmware::input_filter::FILTERS_NS;
+use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::law::{LawSet, Parameter, ParameterGroup};
 use lashloop_firmware::power_stage::{StageCommand, StageMode};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
@@ -20,7 +20,7 @@ pub const PERIOD: Duration = Duration::from_millis(1);
 /// Counters of 16 bits, and a timer of 16 bits that counts microseconds.
 pub const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: 32_767,
-    filters_ns: &FILTERS_NS,
+    filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
 };

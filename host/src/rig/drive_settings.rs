@@ -254,7 +254,7 @@ mod tests {
         let text = RIG.replace(
             "[encoders]\n",
             "[power_stage]\ntorque_per_duty_nm = 62.5\nduty_offset = 0.5\nduty_min = 0.1\nduty_max = 0.9\n\
-             mode = \"amplifier\"\nfrequency_hz = 5000\n[encoders]\nload_direction = \"normal\"\nfilter_ns = 48\n",
+             mode = \"amplifier\"\nfrequency_hz = 5000\n[encoders]\nload_direction = \"normal\"\nfilter_ns = 35\n",
         );
         Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"))
     }

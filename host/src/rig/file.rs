@@ -105,8 +105,8 @@ settings! {
         pub motor_direction: Option<Direction> = choice().optional(),
         /// Sign of the load encoder.
         pub load_direction: Option<Direction> = choice().optional(),
-        /// Longest pulse on a channel that is noise: 143 beside a bridge. Limits the speed to 1.5 counts in that time.
-        pub filter_ns: Option<u32> = integer(0..=3048).optional(),
+        /// Longest pulse on a channel that is noise: 119 beside a bridge. A longer filter lowers the largest speed.
+        pub filter_ns: Option<u32> = integer(0..=2666).optional(),
     }
 }
 

@@ -162,7 +162,7 @@ motor_counts_per_rev = 4096
 load_counts_per_rev = 4096
 motor_direction = "normal"
 load_direction = "reversed"
-filter_ns = 143
+filter_ns = 119
 [power_stage]
 torque_per_duty_nm = 5.0
 duty_offset = 0.5

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use lashloop_conformance::{CheckResult, CheckStatus};
 use lashloop_firmware::drive::{Clock, Drive, PinHardware, PinReadings};
-use lashloop_firmware::input_filter::FILTERS_NS;
+use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::power_stage::StageMode;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::enums::{Capabilities, Outcome, ParameterFlags, ParameterValue, State};
@@ -18,7 +18,7 @@ use crate::{BENCH_MODE, results};
 
 const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: 32_767,
-    filters_ns: &FILTERS_NS,
+    filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
 };

@@ -116,21 +116,24 @@ fn no_count_is_lost_up_to_the_default_speed_limit() {
 }
 
 /// Faults, and counts off, under pulses of this length: on one channel, on both of an encoder, and on all at once.
-fn faults_and_counts_under_pulses(length: Duration, filter_ns: u32) -> (usize, [i32; 2]) {
-    let limit = ParameterValue::F32(500.0);
+fn faults_and_counts_under_pulses(length_ns: u32, (stops_ns, passes_ns): (u32, u32)) -> (usize, [i32; 2]) {
+    let length = Duration::from_nanos(length_ns.into());
+    // 1.5 counts of 131,072 while a level passes, and a little less.
+    let limit = ParameterValue::F32(70_000.0 / passes_ns as f32);
     let limits = [("motor_speed_limit_rad_s", limit), ("load_speed_limit_rad_s", limit)];
     let mut host =
-        running_at((0, 0), &[&limits[..], &[("encoder_filter_ns", ParameterValue::U32(filter_ns))]].concat());
+        // Both channels of the motor encoder are high, at which a new filter doesn't start.
+        running_at((2, 1), &[&limits[..], &[("encoder_filter_ns", ParameterValue::U32(stops_ns))]].concat());
     host.steps(5, 0.0);
     let mut apart = [0, 0];
     for channels in [&CHANNELS[..1], &CHANNELS[1..2], &CHANNELS[..2], &CHANNELS[2..], &CHANNELS[..]] {
-        // Each pulse begins 20 ns later in the step than the one before, through the reading of both encoders.
-        for at in 0..40 {
+        // Each pulse begins 37 ns later in the step than the one before; the first ends at the reading of the motor encoder.
+        for at in 0..20 {
             let reading = host.bench.act(|_, site| {
                 let [.., (at, ..), _] = site.log.readings[..] else { panic!("no reading") };
                 at
             });
-            host.bench.advance_to(reading + MS - Duration::from_nanos(100) + Duration::from_nanos(20 * at));
+            host.bench.advance_to(reading + MS - length + Duration::from_nanos(37 * at));
             for level in [true, false] {
                 host.bench.act(move |chip, site| {
                     for (encoder, channel) in channels {
@@ -155,9 +158,14 @@ fn faults_and_counts_under_pulses(length: Duration, filter_ns: u32) -> (usize, [
 
 #[test]
 fn a_pulse_that_the_filter_stops_costs_no_count_and_no_run() {
-    for (length_ns, filter_ns) in [(60, 95), (120, 143)] {
-        let seen = faults_and_counts_under_pulses(Duration::from_nanos(length_ns), filter_ns);
-        assert_eq!(seen, (0, [0, 0]), "{length_ns} ns behind a filter of {filter_ns} ns");
+    for (stops_ns, passes_ns) in
+        [(35, 48), (83, 95), (119, 143), (166, 190), (333, 381), (666, 762), (1_333, 1_524), (2_666, 3_048)]
+    {
+        // The board acts between two instructions: a pulse may be longer or shorter by 6 ns.
+        for (length_ns, is_stopped) in [(stops_ns - 7, true), (passes_ns + 7, false)] {
+            let seen = faults_and_counts_under_pulses(length_ns, (stops_ns, passes_ns));
+            assert_eq!(seen == (0, [0, 0]), is_stopped, "{length_ns} ns, filter of {passes_ns} ns: {seen:?}");
+        }
     }
 }
 

@@ -105,6 +105,13 @@ pub fn report_of(cause: &Cause) -> FaultReport {
     let mut host = Host::under_torque(&cause.image(&image()), MS);
     cause.place(&mut host, &image());
     host.expects_cut_frame = true;
+    // Whatever lies below the stack is taken for a frame by a handler that believes it.
+    let guard = image().variable("STACK_GUARD").expect("the guard below the stack");
+    host.bench.act(move |chip, _| {
+        for address in (guard..guard + 1_024).step_by(4) {
+            chip.set_word(address, 0x0bad_0bad).expect("memory");
+        }
+    });
     fail(&mut host);
     let [report] = host.faults()[..] else { panic!("{}: one report", cause.name) };
     report

@@ -9,7 +9,7 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use lashloop_firmware::drive::{Clock, Drive, EncoderReading, PinHardware, PinReadings};
-use lashloop_firmware::input_filter::FILTERS_NS;
+use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::law::LawSet;
 use lashloop_firmware::power_stage::{StageCommand, StageMode};
 use lashloop_link::in_process::{BOARD, Unread, next_tick};
@@ -24,7 +24,7 @@ use crate::scenario::sections::EncoderSettings;
 /// Limits of the encoder counters, 16 bits and a filter as on a board, and a servo amplifier.
 const HARDWARE: PinHardware = PinHardware {
     largest_move_counts: i16::MAX as u16,
-    filters_ns: &FILTERS_NS,
+    filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 100_000,
 };

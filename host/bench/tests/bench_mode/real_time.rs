@@ -8,7 +8,7 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{self, Drive, PinHardware, PinReadings};
-use lashloop_firmware::input_filter::FILTERS_NS;
+use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::power_stage::StageMode;
 use lashloop_link::in_process::Unread;
 use lashloop_link::{Link, LinkError};
@@ -45,7 +45,7 @@ impl DeviceKind for OwnClock {
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let hardware = PinHardware {
             largest_move_counts: 32_767,
-            filters_ns: &FILTERS_NS,
+            filters: &FILTERS,
             stage_modes: &[StageMode::Amplifier],
             longest_period_us: 65_536,
         };
