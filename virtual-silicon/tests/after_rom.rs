@@ -5,8 +5,9 @@
 //! it, as `rigless` models the vector table register, but not what address 0 shows after a write to SYSCFG:
 //!
 //! - [`Entry::Pins`]: address 0 shows the ROM, as with BOOT0 high. So the chip starts for `flash --via dfu` and `--via uart`.
-//! - [`Entry::Request`]: the image follows its own request into the ROM, as after `EnterLoader`. The stand-in sets the vector table
-//!   register to its own, where the chip has the ROM at address 0.
+//! - [`Entry::Request`]: the image follows its own request into the ROM, as after `EnterLoader`, once, and has left interrupts and
+//!   the vector table register as a loader expects them. The stand-in then sets that register to its own, where the chip has the
+//!   ROM at address 0.
 //!
 //! What ST's ROM leaves behind has to be seen on a board.
 
@@ -45,6 +46,8 @@ const REQUEST: u64 = 0x5245_4f4c;
 struct Rom {
     /// The vector table of the loader.
     at: u32,
+    /// Where the loader expects it.
+    shown_at: u32,
     /// A word of memory that the image doesn't use, which the stand-in sets before it jumps.
     note: u32,
     /// RCC_CR, whose bits for HSE and PLL are those of every family.
@@ -57,6 +60,7 @@ struct Rom {
 
 const STM32F4: Rom = Rom {
     at: 0x1fff_0000,
+    shown_at: 0,
     // Above 128 KiB.
     note: 0x2002_8000,
     clock_control: 0x4002_3800,
@@ -69,6 +73,7 @@ const STM32F4: Rom = Rom {
 };
 const STM32H7: Rom = Rom {
     at: 0x1ff0_9800,
+    shown_at: 0x1ff0_9800,
     // In another memory.
     note: 0x2400_0000,
     clock_control: 0x5802_4400,
@@ -146,14 +151,21 @@ fn cases() -> Vec<Case> {
 }
 
 /// The stand-in for the ROM.
-fn stand_in(rom: &Rom, case: Case) -> Vec<u8> {
+fn stand_in(rom: &Rom, case: Case, request_at: u32) -> Vec<u8> {
     const TABLE_WORDS: u32 = 128;
     let handler = Code::default().halfwords(&[case.handler, NOTHING]).words();
+    let mut start = Code::default();
+    if case.entry == Entry::Request {
+        // As after a reset: mrs r0, primask; cmp r0, #0; beq over the next one; b .
+        start = start.halfwords(&[0xf3ef, 0x8010, 0x2800, 0xd000, FOREVER]);
+        let enabled = [0, 4, 8].map(|offset| (NVIC_ENABLE + offset, 0));
+        for (register, value) in enabled.into_iter().chain([(VECTOR_TABLE, rom.shown_at), (request_at, 0)]) {
+            // ldr r0, [r1]; cmp r0, r2; beq over the next one; b .
+            start = start.load(1, register).load(2, value).halfwords(&[0x6808, 0x4290, 0xd000, FOREVER]);
+        }
+    }
     // ldr r0, [r1]; cmp r0, r2; bne over the next one; b .; str r2, [r1]
-    let mut start = Code::default()
-        .load(1, rom.note)
-        .load(2, JUMPED)
-        .halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
+    start = start.load(1, rom.note).load(2, JUMPED).halfwords(&[0x6808, 0x4290, 0xd100, FOREVER, 0x600a]);
     // Its own variables, at the start of RAM: str r1, [r1]; adds r1, #4; cmp r1, r2; bne
     start = start.load(1, RAM).load(2, RAM + 12 * 1_024).halfwords(&[0x6009, 0x3104, 0x4291, 0xd1fb]);
     if case.clock != Clock::Off {
@@ -261,11 +273,12 @@ fn start(image: &Symbols, board: &str, case: Case) -> Result<(), String> {
     let mut chip = Chip::new(&wiring, CRYSTAL_HZ, true).expect("models");
     chip.starts_in_rom = case.entry == Entry::Pins;
     let session = Session::new(Box::new(chip), 0, VirtualNanos(10)).expect("a chip");
+    let request_at = image.variable("WORD").expect("the word of the loader");
+    let rom_image = stand_in(rom, case, request_at as u32);
     let images = [
         image.image().expect("an image"),
-        Image::new(Path::new("rom"), stand_in(rom, case), Some(rom.at.into())).expect("a ROM"),
+        Image::new(Path::new("rom"), rom_image, Some(rom.at.into())).expect("a ROM"),
     ];
-    let request_at = image.variable("WORD").expect("the word of the loader");
     let run = Run {
         lsi: LsiCapture::after_reset(VirtualNanos(0)),
         case,
