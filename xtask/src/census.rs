@@ -34,6 +34,8 @@ struct Bug {
     test: String,
     /// Why none does.
     survives: Option<String>,
+    /// What the models lack to show it: it doesn't count.
+    beyond_models: Option<String>,
 }
 
 /// Plants every bug whose line contains the filter, and prints what became of it.
@@ -75,17 +77,20 @@ pub(crate) fn run(filter: &str) -> Result<ExitCode> {
             let verdict = verdict(&tree, bug);
             fs::write(&path, text)?;
             let verdict = verdict?;
-            killed += usize::from(verdict == "killed");
+            killed += usize::from(verdict == "killed" && bug.beyond_models.is_none());
             println!("{verdict}  {}: {} ({}: {})", bug.file, bug.bug, bug.at, bug.test);
-            if let (Some(reason), "SURVIVED") = (&bug.survives, verdict) {
+            if let (Some(reason), "SURVIVED") =
+                (bug.survives.as_ref().or(bug.beyond_models.as_ref()), verdict)
+            {
                 println!("          {reason}");
             }
         }
         // Tests of another place may take this image.
         ensure!(passes(&mut build(&tree, place))?.is_some(), "{place} doesn't build after the bugs");
     }
-    let percent = 100 * killed / bugs.len().max(1);
-    println!("{killed} of {} bugs killed: {percent} %, at least {LEAST_PERCENT} % wanted", bugs.len());
+    let counted = bugs.iter().filter(|it| it.beyond_models.is_none()).count();
+    let percent = 100 * killed / counted.max(1);
+    println!("{killed} of {counted} bugs killed: {percent} %, at least {LEAST_PERCENT} % wanted");
     Ok(if percent >= LEAST_PERCENT { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
