@@ -246,6 +246,7 @@ impl<'a> Pins<'a> {
     pub fn reset(&mut self) {
         // The count of instructions is part of the report alone.
         self.session.reset_by_pin(self.at, 0, self.host);
+        *self.inputs = Inputs::default();
         self.serial_line().clear();
     }
 

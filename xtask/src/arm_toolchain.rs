@@ -122,7 +122,7 @@ impl ArmToolchain {
         let is_there = first_line(&mut command(driver, "--version")).is_some();
         ensure!(
             is_there,
-            "no clippy for the Arm image: {driver} doesn't start; on Debian install rust-web-clippy"
+            "no clippy for the Arm image: {driver} doesn't start; `rustup component add clippy` installs it, or on Debian `apt-get install --no-install-recommends rust-web-clippy`"
         );
         let mut clippy = self.build(program);
         clippy.env("RUSTC_WORKSPACE_WRAPPER", driver);

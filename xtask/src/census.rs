@@ -89,7 +89,7 @@ pub(crate) fn run(filter: &str) -> Result<ExitCode> {
         ensure!(passes(&mut build(&tree, place))?.is_some(), "{place} doesn't build after the bugs");
     }
     let counted = bugs.iter().filter(|it| it.beyond_models.is_none()).count();
-    let percent = 100 * killed / counted.max(1);
+    let percent = (100 * killed).checked_div(counted).unwrap_or(100);
     println!("{killed} of {counted} bugs killed: {percent} %, at least {LEAST_PERCENT} % wanted");
     Ok(if percent >= LEAST_PERCENT { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use cortex_m::peripheral::NVIC;
 use lashloop_protocol::enums::State;
 use rtic::Mutex;
 
@@ -9,6 +10,7 @@ use super::Fitted;
 use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
+use super::pac::Interrupt;
 use super::parts::{PeriodTimer as _, StageLines as _};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
@@ -109,8 +111,9 @@ impl Tick {
         self.period = period;
         if let Ok(micros) = u32::try_from(period.as_micros()) {
             self.timer.restart(micros);
-            // A period may have ended before the restart.
+            // A period may have ended before the restart, and its interrupt may pend.
             self.timer.clear();
+            NVIC::unpend(Interrupt::TIM5);
             self.overdue_us = micros.saturating_add(micros / 2);
         }
     }

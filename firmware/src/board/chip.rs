@@ -1,6 +1,6 @@
 //! The seam between the drive and a chip: what a chip family has to have. Everything else of the board is the same on each.
 //!
-//! Its interrupts are by name: `image!` binds tasks to TIM2, TIM5, EXTI0 and OTG_FS.
+//! The interrupts TIM2, TIM5, EXTI0 and OTG_FS have these names in every family: `image!` binds tasks to them.
 //!
 //! A family is a folder: an implementation of [`Chip`] with its [`parts`](super::parts), and a file per board with its pins. The folder
 //! of the fitted board is the only code with registers of peripherals; the processor's own are used outside too.

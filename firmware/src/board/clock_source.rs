@@ -69,7 +69,8 @@ pub(super) fn crystal_hz<S: Stopwatch>(mut stopwatch: S) -> Option<u32> {
     if !stopwatch.run_from_crystal(true) {
         return None;
     }
-    // A crystal that stops meanwhile gives no capture.
+    // If the crystal stops meanwhile, the clock security system of an STM32F4 ends the start. That of an STM32H7, which only a reset
+    // turns off again, isn't on yet: the core stops, with every output as after a reset.
     let crystal = counts(&mut stopwatch);
     stopwatch.run_from_crystal(false);
     // At most 4 times 8 periods of 17 kHz at 64 MHz: 121,000 counts.

@@ -40,7 +40,7 @@ impl<I: EncoderInput> Encoder<I> {
     fn configure(&mut self, filter: usize) {
         let Some(InputFilter { passes_ns, .. }) = FILTERS.get(filter) else { return };
         self.input.set_filter(filter);
-        // The filter, a quarter of it for the phase of its samples, and the synchronisation.
+        // The filter, a quarter more as a margin, and the synchronisation.
         self.pin_to_count_cycles = (passes_ns * (CORE_HZ as f32 * 1e-9 * 1.25)) as u32 + 10;
         self.filter = filter;
     }

@@ -10,7 +10,7 @@ const EXIT_AFTER: Duration = Duration::from_millis(20);
 /// The boot loader of a chip as the drive sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Loader {
-    /// There is none.
+    /// The drive has no boot loader.
     #[default]
     Absent,
     Present,

@@ -180,6 +180,7 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     // The first reading is that of `Boot`.
     let count = client.repetitions(State::ALL.len() - 1);
     client.in_states(&State::ALL[State::ALL.len() - count..], |client, state| {
+        // In turn, as the states are ordered.
         let order = if matches!(state, Idle | Running) { &before } else { &reversed };
         client.exchange(&format!("in {state:?}"), order)
     })

@@ -28,7 +28,7 @@ macro_rules! words {
 }
 
 words! {
-    // The lists with the names of the specification.
+    // State, outcome, fault and type with their names in the lists of the specification.
     u8, u16, u32, u64, i32, i64, usize, State, Outcome, FaultCode, ParameterType => |it| it.to_string();
     // Nine digits distinguish any two values of binary32.
     f64 => |it| {

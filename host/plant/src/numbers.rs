@@ -1,7 +1,8 @@
 //! Numbers of parameters, declared once: place, key, unit, range and meaning.
 
-/// Declares numbers of a type, a row each: place, name in errors, name of the key if it is another, unit, allowed range, that of
-/// the key if it is narrower, and meaning. Defaults are those of the type's `paper`; ranges may use the value as `it`.
+/// Declares numbers of a type, a row each: place, name in errors, name of the key if it differs, unit, allowed range, range of
+/// the key if it differs, and meaning. Defaults are those of the type's `paper`; an allowed range may use the other numbers by the
+/// given name.
 macro_rules! numbers {
     ($type:ident, $it:ident: $($($place:ident).+: $name:literal $(as $key:literal)?, $unit:literal, $range:expr $(, given $given:expr)?, $meaning:literal;)+) => {
         impl $type {

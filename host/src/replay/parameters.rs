@@ -9,8 +9,8 @@ use lashloop_session::{SetError, WrittenValue};
 
 use super::error::ReplayError;
 
-/// Sets the parameters that the law in force has, in the order of the record: what only other laws have is of no effect.
-/// The watchdog counts time of the device, which is none of the run here: it waits for `watchdog`.
+/// Sets the parameters that the law in force has, in the order of the record: parameters of other laws have no effect.
+/// The watchdog counts the time of the device and not that of the run: it waits for `watchdog`.
 ///
 /// # Errors
 /// The firmware lacks a parameter or a value, or the session failed.

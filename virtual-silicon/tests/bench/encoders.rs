@@ -122,7 +122,7 @@ fn faults_and_counts_under_pulses(length_ns: u32, (stops_ns, passes_ns): (u32, u
     let limit = ParameterValue::F32(70_000.0 / passes_ns as f32);
     let limits = [("motor_speed_limit_rad_s", limit), ("load_speed_limit_rad_s", limit)];
     let mut host =
-        // Both channels of the motor encoder are high, at which a new filter doesn't start.
+        // Both channels of the motor encoder are high: on a chip, though not in the models, a new filter starts low.
         running_at((2, 1), &[&limits[..], &[("encoder_filter_ns", ParameterValue::U32(stops_ns))]].concat());
     host.steps(5, 0.0);
     let mut apart = [0, 0];

@@ -65,17 +65,18 @@ fn reset(rcc: &RCC) {
     while rcc.cr.read().hsirdy().is_not_ready() {}
     rcc.cfgr.reset();
     while !rcc.cfgr.read().sws().is_hsi() {}
-    rcc.cr.modify(|_, w| w.pll1on().off().pll2on().off().pll3on().off().hseon().off());
-    while rcc.cr.read().pll1rdy().is_ready() {}
-    while rcc.cr.read().pll2rdy().is_ready() {}
-    while rcc.cr.read().pll3rdy().is_ready() {}
-    // A divider that a PLL uses can't change.
-    rcc.cr.modify(|_, w| w.hsidiv().div1());
-    // Clocks of the peripherals.
+    // Clocks of the peripherals, while the former ones still run: a selector needs both to change.
     rcc.d1ccipr.reset();
     rcc.d2ccip1r.reset();
     rcc.d2ccip2r.reset();
     rcc.d3ccipr.reset();
+    rcc.cr.modify(|_, w| w.pll1on().off().pll2on().off().pll3on().off().hseon().off());
+    while rcc.cr.read().pll1rdy().is_ready() {}
+    while rcc.cr.read().pll2rdy().is_ready() {}
+    while rcc.cr.read().pll3rdy().is_ready() {}
+    rcc.pllcfgr.reset();
+    // A divider that a PLL uses can't change.
+    rcc.cr.modify(|_, w| w.hsidiv().div1());
     rcc.d1cfgr.reset();
     rcc.d2cfgr.reset();
     rcc.d3cfgr.reset();

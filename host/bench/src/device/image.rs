@@ -65,7 +65,7 @@ pub fn find_for_board(board: Option<&str>) -> Result<PathBuf, Vec<PathBuf>> {
 /// The first file that exists.
 ///
 /// # Errors
-/// None does: the places.
+/// No place has a file: returns the places.
 pub(super) fn first(places: Vec<PathBuf>) -> Result<PathBuf, Vec<PathBuf>> {
     places.iter().find(|place| place.is_file()).cloned().ok_or(places)
 }

@@ -93,10 +93,10 @@ impl<'a, S: StepSink> LoopState<'a, S> {
     /// Passes the last step on, with the drive's latest signals. `origin` is the step of the drive's first sample, if it was
     /// sent.
     pub(super) fn finish(&mut self, origin: Option<u32>, device: &Device) -> Result<(), RunError> {
-        let Some(mut step) = self.unfinished.take() else { return Ok(()) };
+        let Some(step) = &mut self.unfinished else { return Ok(()) };
         if let Some((telemetry, origin)) = device.session.line.telemetry.zip(origin) {
             step.drive.take(&telemetry, origin, self.scenario.run.control_period_s(), device)?;
         }
-        self.sink.take(Item::Step(step))
+        self.unfinished.take().map_or(Ok(()), |step| self.sink.take(Item::Step(step)))
     }
 }

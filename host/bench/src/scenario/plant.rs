@@ -96,13 +96,13 @@ settings! {
     /// The default is the paper's start at rest.
     impl Start {
         /// Position of the load.
-        load_position_rad: f64 = number(-1e4..=1e4).or(FRAC_PI_2),
+        load_position_rad = number(-1e4..=1e4).or(FRAC_PI_2),
         /// Velocity of the load.
-        load_velocity_rad_s: f64 = number(-1e4..=1e4).or(0.0),
+        load_velocity_rad_s = number(-1e4..=1e4).or(0.0),
         /// Position of the motor.
-        motor_position_rad: f64 = number(-1e4..=1e4).or(3.0 * FRAC_PI_2),
+        motor_position_rad = number(-1e4..=1e4).or(3.0 * FRAC_PI_2),
         /// Velocity of the motor.
-        motor_velocity_rad_s: f64 = number(-1e4..=1e4).or(0.0),
+        motor_velocity_rad_s = number(-1e4..=1e4).or(0.0),
     }
 }
 

@@ -27,7 +27,7 @@ use super::power_stage::{TORQUE_DELAY_US, instruments};
 
 /// What the plant may differ by from its model: the part of `estimates.json` that the gate reads.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(expecting = "struct Estimates")]
+#[serde(expecting = "the estimates of a plant")]
 pub struct Intervals {
     quantities: Vec<Quantity>,
     /// Those of the commissioning; `None` for those of the scenario.

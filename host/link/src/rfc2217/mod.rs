@@ -300,6 +300,8 @@ impl Link for Rfc2217 {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         if !self.arrived.is_empty() {
+            // Otherwise it reads up to the place where the ring wraps.
+            self.arrived.make_contiguous();
             return Ok(self.arrived.read(buffer).unwrap_or(0));
         }
         let mut late_looks = 0;

@@ -44,6 +44,14 @@ const FACTS: [(&str, &str, Trend); Statistic::ALL.len()] = [
     ("final", "v_n", Trend::Any),
 ];
 
+const _: () = {
+    let mut at = 0;
+    while at < Statistic::ALL.len() {
+        assert!(Statistic::ALL[at] as usize == at, "FACTS and ALL are in the order of the variants");
+        at += 1;
+    }
+};
+
 impl Statistic {
     /// Every statistic, in the order of the documentation.
     pub const ALL: [Self; 8] =
@@ -108,10 +116,12 @@ impl Meter for StatisticMeter {
         (self.low, self.high, self.last) = (self.low.min(value), self.high.max(value), value);
         self.sum += value;
         self.sum_of_squares += value * value;
-        // Welford's recurrence: a large mean doesn't cancel a small deviation.
-        let before = value - self.mean;
-        self.mean += before / self.count;
-        self.squares += before * (value - self.mean);
+        if self.statistic == Statistic::Std {
+            // Welford's recurrence: a large mean doesn't cancel a small deviation.
+            let before = value - self.mean;
+            self.mean += before / self.count;
+            self.squares += before * (value - self.mean);
+        }
     }
 
     fn measured(&self) -> Measured {

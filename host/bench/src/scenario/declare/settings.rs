@@ -6,7 +6,7 @@
 /// | declaration | entry | yields |
 /// |---|---|---|
 /// | `struct Name` | `key: Type = field`, or `field as "key": Type = field` | the struct, its [`Settings`](crate::scenario::declare::Settings) |
-/// | `impl Name` | the same | [`Settings`](crate::scenario::declare::Settings) of a struct that is declared elsewhere |
+/// | `impl Name` | `key = field` | [`Settings`](crate::scenario::declare::Settings) of a struct that is declared elsewhere |
 /// | `struct Name with(name: Type)` | the same; fields may use `name` | the struct, a function `read` that takes `name` |
 /// | `enum Name` | `"name" => Variant`, or `default "name" => Variant` | the enum, [`Named`](crate::scenario::declare::Named), `Serialize` as its name |
 /// | `enum Name` | `"name" => Variant { entries }` | the enum, [`Variants`](crate::scenario::declare::Variants) |
@@ -25,7 +25,7 @@ macro_rules! settings {
         }
     };
     ($(#[doc = $what:literal])* impl $name:ident {
-        $($(#[doc = $doc:literal])+ $key:ident: $type:ty = $field:expr,)+
+        $($(#[doc = $doc:literal])+ $key:ident = $field:expr,)+
     }) => {
         $crate::settings! { @read $name () $([($key) (concat!($($doc),+)) ($field)])+ }
     };

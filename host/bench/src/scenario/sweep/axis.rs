@@ -119,7 +119,7 @@ settings! {
 }
 
 impl Axis {
-    /// The axis of a sweep. One that `is_sampled` has the number of points itself, for ranges alone.
+    /// Checks an axis. If the sweep `is_sampled`, every axis is a range, and the sweep has the number of points.
     pub(super) fn checked(keys: AxisKeys, axis: &mut Section<'_>, is_sampled: bool) -> Self {
         let AxisKeys { key, values, min, max, points, scale } = keys;
         if key.split('.').next() == Some("sweep") {
