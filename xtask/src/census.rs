@@ -38,14 +38,17 @@ struct Bug {
     beyond_models: Option<String>,
 }
 
-/// Plants every bug whose line contains the filter, and prints what became of it.
+/// Plants every bug whose line contains one of the filters, and prints what became of it.
 ///
 /// # Errors
 /// The copy can't be made, or a test fails without a bug.
-pub(crate) fn run(filter: &str) -> Result<ExitCode> {
+pub(crate) fn run(filters: &[String]) -> Result<ExitCode> {
     let tree = copy()?;
     let mut bugs: Vec<Bug> = serde_json::from_slice(&fs::read(paths::root().join(LIST))?)?;
-    bugs.retain(|it| [&it.at, &it.file, &it.bug, &it.test].iter().any(|text| text.contains(filter)));
+    bugs.retain(|it| {
+        let texts = [&it.at, &it.file, &it.bug, &it.test];
+        filters.iter().any(|filter| texts.iter().any(|text| text.contains(filter)))
+    });
     if bugs.iter().any(|it| host_tests(&it.at).is_none()) {
         // Some tests take the images of several boards.
         ensure!(passes(&mut in_tree(&tree, "cargo xtask image"))?.is_some(), "an image doesn't build");

@@ -56,9 +56,9 @@ enum Chore {
     Size,
     /// Plant the bugs of tests/census/board.json in a copy of the tree, one after the other, and count those that a test kills
     Census {
-        /// Only those whose file, place, test or sentence contains this, as `drive/`
+        /// Only those whose file, place, test or sentence contains one of these, as `drive/`
         #[arg(default_value = "")]
-        filter: String,
+        filters: Vec<String>,
     },
     /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
     /// layouts of the messages
@@ -80,7 +80,7 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Silicon => silicon::build()?,
         Chore::Dist(dist) => dist.make()?,
-        Chore::Census { filter } => return census::run(&filter),
+        Chore::Census { filters } => return census::run(&filters),
         Chore::Size => size::check()?,
         Chore::Header => {
             header::write()?;
