@@ -10,6 +10,7 @@
 //! | [`Laws`] | the laws of Lashloop's own drive |
 //! | [`direction`] | sign of an encoder or a power stage |
 //! | [`power_stage`] | from a torque to a duty; what switches the bridge |
+//! | [`torque`] | from a torque to the duty of a bridge, by voltage or measured current |
 //! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `usb` (feature of that name) | the drive's own USB port, on any bus |
@@ -36,6 +37,7 @@ pub mod law;
 mod laws;
 pub mod power_stage;
 pub mod quadrature;
+pub mod torque;
 #[cfg(feature = "usb")]
 pub mod usb;
 

@@ -24,6 +24,7 @@
 
 pub mod backlash_shaft;
 mod coordinates;
+pub mod electrical;
 pub mod encoder;
 mod error;
 mod exponential_decay;

@@ -34,7 +34,7 @@ pub struct Mechanics {
 }
 
 // The keys of stiffness and dead zone are narrower than the plant's ranges: faults change both during the run.
-numbers! { Mechanics, it:
+numbers! { Mechanics, paper, it:
     motor_inertia_kg_m2: "motor_inertia_kg_m2", "kg m^2", 1e-9..=1e3, "Inertia J_m of the motor.";
     motor_friction_nm_s_rad: "motor_friction_nm_s_rad", "N m s/rad", 0.0..=1e4, "Viscous friction f_m of the motor.";
     load_inertia_kg_m2: "load_inertia_kg_m2", "kg m^2", 1e-9..=1e6, "Inertia J_s of the load.";

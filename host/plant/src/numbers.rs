@@ -1,23 +1,23 @@
 //! Numbers of parameters, declared once: place, key, unit, range and meaning.
 
 /// Declares numbers of a type, a row each: place, name in errors, name of the key if it differs, unit, allowed range, range of
-/// the key if it differs, and meaning. Defaults are those of the type's `paper`; an allowed range may use the other numbers by the
-/// given name.
+/// the key if it differs, and meaning. Defaults are those of the
+/// given function of the type; an allowed range may use the other numbers by the given name.
 macro_rules! numbers {
-    ($type:ident, $it:ident: $($($place:ident).+: $name:literal $(as $key:literal)?, $unit:literal, $range:expr $(, given $given:expr)?, $meaning:literal;)+) => {
+    ($type:ident, $default:ident, $it:ident: $($($place:ident).+: $name:literal $(as $key:literal)?, $unit:literal, $range:expr $(, given $given:expr)?, $meaning:literal;)+) => {
         impl $type {
             /// The keys of the numbers.
             pub(crate) fn keys() -> [$crate::Key; [$($name),+].len()] {
-                let $it = Self::paper();
+                let $it = Self::$default();
                 [$({
                     let (name, range) = (numbers!(@last $name $(, $key)?), numbers!(@last $range $(, $given)?));
                     $crate::Key::number(name, $unit, $it.$($place).+, range, $meaning)
                 }),+]
             }
 
-            /// The numbers of these values, the rest as in `paper`.
+            /// The numbers of these values, the rest by default.
             pub(crate) fn of(values: &$crate::PlantValues) -> Result<Self, $crate::PlantError> {
-                let mut $it = Self::paper();
+                let mut $it = Self::$default();
                 $($it.$($place).+ = values.number(numbers!(@last $name $(, $key)?))?;)+
                 Ok($it)
             }

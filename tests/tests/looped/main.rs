@@ -3,6 +3,7 @@
 
 mod battery;
 mod bit_exact;
+mod bridge;
 mod budget;
 mod campaign;
 mod capture;

@@ -32,7 +32,7 @@ impl PinPlant {
     /// A value is outside its range.
     pub(super) fn release(&self, device: &str) -> Result<Box<dyn Plant>, DeviceError> {
         let Scenario { plant, run, .. } = &self.scenario;
-        plant.release(run.control_period_s()).map_err(|error| DeviceError::Unfit {
+        plant.release(run).map_err(|error| DeviceError::Unfit {
             device: device.to_owned(),
             problem: format!("it can't have this plant behind its pins: {error}"),
         })

@@ -135,7 +135,7 @@ fn simulator(
         RunMode::Bench => {
             check_bench_mode(device, clock.name())?;
             // The columns of HIL mode, without values.
-            let plant = scenario.plant.release(scenario.run.control_period_s())?;
+            let plant = scenario.plant.release(&scenario.run)?;
             Ok((None, plant.signals().to_vec()))
         }
     }

@@ -58,11 +58,11 @@ impl Simulator {
         let period_s = scenario.run.control_period_s();
         let plant_faults = PlantFaults::new(scenario);
         let settings = &scenario.plant;
-        let plant = settings.release(period_s)?;
+        let plant = settings.release(&scenario.run)?;
         let next_values = plant_faults.changes(settings);
         if !next_values.is_empty() {
             // What a fault makes of the plant is checked before the run, on a plant that is not used.
-            let mut rehearsal = settings.release(period_s)?;
+            let mut rehearsal = settings.release(&scenario.run)?;
             for (_, values) in &next_values {
                 rehearsal.change_parameters(&settings.with(values, period_s))?;
             }

@@ -25,6 +25,7 @@ pub mod cases;
 mod catalogue;
 pub mod controller;
 pub mod declare;
+pub mod electrical;
 pub mod environment;
 mod error;
 pub mod expectation;

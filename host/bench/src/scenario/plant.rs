@@ -12,10 +12,12 @@ use lashloop_plant::{TORQUE_DELAY_US, smooth};
 use serde::{Serialize, Serializer};
 
 use super::declare::{Field, Settings, name_of, number, plain, section, section_of};
+use super::electrical::ElectricalSettings;
 use super::environment::EnvironmentSettings;
 use super::key::{Choice, Keys, Selector};
 use super::plant_keys;
 use super::reader::Section;
+use super::sections::RunSettings;
 use crate::process_plant;
 use crate::settings;
 
@@ -31,6 +33,9 @@ pub struct PlantSettings {
     /// Wear and load torque; `None` for a model that takes neither.
     #[serde(flatten)]
     pub environment: Option<EnvironmentSettings>,
+    /// The motor's circuit; `None` for a stage that makes the torque of its command.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub electrical: Option<ElectricalSettings>,
     /// `[plant.initial]`: positions and velocities at time 0, -1e4 to 1e4.
     pub initial: Start,
     /// Folder of the scenario, at which relative paths start.
@@ -60,12 +65,16 @@ impl PlantSettings {
         self.values.integer(TORQUE_DELAY_US).unwrap_or(0)
     }
 
-    /// The plant, released at its initial state.
+    /// The plant, released at its initial state, behind its bridge if it has one.
     ///
     /// # Errors
     /// The model can't build a plant from these values, or not for this control period.
-    pub fn release(&self, period_s: f64) -> Result<Box<dyn Plant>, PlantError> {
-        self.model.release(&self.with(&self.values, period_s))
+    pub fn release(&self, run: &RunSettings) -> Result<Box<dyn Plant>, PlantError> {
+        let plant = self.model.release(&self.with(&self.values, run.control_period_s()))?;
+        match &self.electrical {
+            None => Ok(plant),
+            Some(electrical) => electrical.behind_bridge(plant, run.seed),
+        }
     }
 
     /// What a plant of this model is built from with other values.
@@ -140,6 +149,9 @@ fn read(plant: &mut Section<'_>, plants: &Plants, folder: &Path) -> PlantSetting
     let has_environment = chosen.is_some_and(|model| model.changes().environment);
     let environment = has_environment.then(|| EnvironmentSettings::read(plant));
     plant.keys = described;
+    let doc = "A motor on a bridge between the torque of the drive and the plant; without this section every torque is as commanded.";
+    let electrical = section_of(ElectricalSettings::read).read("electrical", doc, plant);
+    let electrical = plant.has("electrical").then_some(electrical);
     let initial = section(plain).read("initial", "Positions and velocities at time 0.", plant);
-    PlantSettings { model, values, environment, initial, folder: folder.to_owned() }
+    PlantSettings { model, values, environment, electrical, initial, folder: folder.to_owned() }
 }

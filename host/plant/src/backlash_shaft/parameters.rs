@@ -51,7 +51,7 @@ const TORQUE_NM: RangeInclusive<f64> = 0.0..=1e6;
 /// Allowed Stribeck velocity.
 const VELOCITY_RAD_S: RangeInclusive<f64> = 1e-6..=1e3;
 
-numbers! { ShaftParameters, it:
+numbers! { ShaftParameters, paper, it:
     shaft_damping_nm_s_rad: "shaft_damping_nm_s_rad", "N m s/rad", 0.0..=1e6, "Shaft damping c, in parallel with the stiffness.";
     load.coulomb_nm: "load_coulomb_nm", "N m", TORQUE_NM, "Coulomb friction F_c of the load.";
     load.stiction_nm: "load_stiction_nm", "N m", it.load.coulomb_nm..=*TORQUE_NM.end(), given TORQUE_NM,
@@ -66,7 +66,7 @@ numbers! { ShaftParameters, it:
     torque_saturation_nm: "torque_saturation_nm", "N m", Self::TORQUE_SATURATION_NM, "Limit U_max of the motor's torque.";
 }
 
-numbers! { BristleParameters, it:
+numbers! { BristleParameters, paper, it:
     stiffness_nm_rad: "bristle_stiffness_nm_rad", "N m/rad", 1e-3..=1e12, "Bristle stiffness sigma_0.";
     damping_nm_s_rad: "bristle_damping_nm_s_rad", "N m s/rad", 0.0..=1e9, "Bristle damping sigma_1.";
 }
