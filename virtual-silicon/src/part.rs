@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use rigless::chip::uart::Errors;
 use rigless::device::{Level, RegisterFile};
 use rigless::edge::Pulse;
 use rigless::machine::armv7m;
@@ -56,6 +57,9 @@ pub(crate) trait Part: fmt::Debug + Send {
     fn attach_line(&mut self, port: usize);
 
     fn line(&mut self, port: usize) -> Option<&mut SerialLine>;
+
+    /// Errors of the bytes that arrive at a serial port.
+    fn line_errors(&mut self, port: usize) -> &mut Errors;
 
     /// Connects the gate driver to a serial interface, selected by a low pin.
     fn attach_gate_driver(&mut self, interface: usize, select: Pin);

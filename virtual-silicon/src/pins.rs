@@ -6,6 +6,7 @@
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
+use rigless::chip::uart::Rate;
 use rigless::device::Level;
 use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
@@ -81,6 +82,12 @@ impl<'a> Pins<'a> {
     /// The far end of the link.
     pub fn serial_line(&mut self) -> &mut SerialLine {
         self.session.board_mut().serial_line()
+    }
+
+    /// Makes every byte from here on arrive with a framing error and other bits, or none.
+    pub fn garble_line(&mut self, does: bool) {
+        let errors = self.session.board_mut().part.line_errors(self.wiring.link.port as usize);
+        errors.framing.per_million = if does { Rate::EVERY_WORD } else { 0 };
     }
 
     /// Drives both channels of an encoder to the levels of its count.

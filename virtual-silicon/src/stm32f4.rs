@@ -3,6 +3,7 @@
 //! They are made from the reference manual RM0090.
 
 use anyhow::{Context, Result};
+use rigless::chip::uart::Errors;
 use rigless::device::Level;
 use rigless::machine::armv7m;
 use rigless::mcu::Mcu;
@@ -57,6 +58,10 @@ impl Part for Stm32f427 {
 
     fn line(&mut self, port: usize) -> Option<&mut SerialLine> {
         self.usart[port].chip_mut()
+    }
+
+    fn line_errors(&mut self, port: usize) -> &mut Errors {
+        self.usart[port].errors_mut()
     }
 
     fn attach_gate_driver(&mut self, interface: usize, select: Pin) {

@@ -11,6 +11,7 @@
 use std::mem;
 
 use anyhow::{Context, Result};
+use rigless::chip::uart::Errors;
 use rigless::device::{Device, DeviceContext, ErasedDevice, Level, RegisterFile, ResetCause};
 use rigless::machine::armv7m;
 use rigless::mcu::Mcu;
@@ -141,6 +142,10 @@ impl Part for Stm32h7 {
 
     fn line(&mut self, port: usize) -> Option<&mut SerialLine> {
         self.part.usart[port].chip_mut()
+    }
+
+    fn line_errors(&mut self, port: usize) -> &mut Errors {
+        self.part.usart[port].errors_mut()
     }
 
     fn attach_gate_driver(&mut self, interface: usize, select: Pin) {

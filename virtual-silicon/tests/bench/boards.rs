@@ -80,7 +80,8 @@ fn an_odrive_counts_its_encoders() {
 fn the_fault_line_of_an_odrive_refuses_to_arm_and_stops_a_run_within_a_period() {
     let mut host = idle();
     // Bits of the gate driver's status, with the detail of its fault.
-    for (status, detail) in [(0, 2), (1 << 8, 3), (1 << 9, 3), (1 << 5, 4), (1, 4), (1 << 7, 5)] {
+    for (status, detail) in [(0, 2), (1 << 8, 3), (1 << 9, 3), (1 << 5, 4), (1, 4), (1 << 7, 5), (1 << 6, 5)]
+    {
         set_fault(&mut host, Some(status));
         host.bench.advance(Duration::from_millis(6));
         assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, detail), "{status:#x}");
