@@ -34,8 +34,9 @@ struct Board {
     file: PathBuf,
     name: String,
     chip: String,
-    /// Interrupt of its link.
+    /// Interrupts of its link and of its converters.
     link: String,
+    sensor: String,
 }
 
 impl Board {
@@ -67,18 +68,19 @@ impl Board {
             value.unwrap_or_else(|| panic!("{} has no `{start}...{end}`", file.display())).0.to_owned()
         };
         let link = text_of("const LINK: Interrupt = Interrupt::", ";");
+        let sensor = text_of("const SENSOR: Interrupt = Interrupt::", ";");
         let (name, chip) = (text_of("const NAME: &str = \"", "\";"), text_of("const CHIP: &str = \"", "\";"));
-        Self { file: file.canonicalize().expect("it exists"), name, chip, link }
+        Self { file: file.canonicalize().expect("it exists"), name, chip, link, sensor }
     }
 
     /// What depends on the board in `src/board`.
     fn write_modules(&self, folder: &Path) {
-        let Self { file, link, .. } = self;
+        let Self { file, link, sensor, .. } = self;
         let fitted = format!("#[path = {file:?}]\nmod fitted;\n");
         fs::write(folder.join("fitted.rs"), fitted).expect("cargo makes OUT_DIR writable");
         let image = format!(
             "#[doc(hidden)]\n#[macro_export]\nmacro_rules! image_of_board {{\n    ($laws:ty) => {{\n        \
-             $crate::image!($laws, {link});\n    }};\n}}\n"
+             $crate::image!($laws, {link}, {sensor});\n    }};\n}}\n"
         );
         fs::write(folder.join("image_of_board.rs"), image).expect("cargo makes OUT_DIR writable");
     }

@@ -9,7 +9,7 @@
 //! | [`control`] | control laws, from encoder counts to a torque |
 //! | [`Laws`] | the laws of Lashloop's own drive |
 //! | [`direction`] | sign of an encoder or a power stage |
-//! | [`power_stage`] | from a torque to a duty; what switches the bridge |
+//! | [`power_stage`], [`actuator`] | from a torque to a duty; a stage that follows a drive |
 //! | [`torque`] | from a torque to the duty of a bridge, by voltage or measured current |
 //! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
@@ -27,6 +27,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod actuator;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
 pub mod control;
@@ -37,6 +38,7 @@ pub mod law;
 mod laws;
 pub mod power_stage;
 pub mod quadrature;
+pub mod stage_mode;
 pub mod torque;
 #[cfg(feature = "usb")]
 pub mod usb;

@@ -6,71 +6,8 @@
 
 use crate::direction::Direction;
 use crate::law::{ParameterError, ROUNDING, Real};
-
-/// What the two channels of the modulation, with their complements, mean to the power stage. Off means all outputs low in every
-/// mode: no pulse, half-bridges open, a bridge with two inputs coasts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StageMode {
-    /// Channel 1 has the duty: the command of a servo amplifier.
-    Amplifier,
-    /// Channel 1 has the size of the torque, channel 2 its direction: high for a positive duty.
-    PwmDirection,
-    /// The channel of the direction has the size, the other one is low. The motor coasts between pulses.
-    TwoPwmCoast,
-    /// The channel of the direction is high, the other one is low for the size. The motor brakes between pulses.
-    TwoPwmBrake,
-    /// Two half-bridges, each with a channel and its complement, at the duty and at 1 minus the duty.
-    Complementary,
-}
-
-impl StageMode {
-    /// Whether the duty grows with the size of the torque, in either direction.
-    fn is_of_size(self) -> bool {
-        match self {
-            Self::Amplifier | Self::Complementary => false,
-            Self::PwmDirection | Self::TwoPwmCoast | Self::TwoPwmBrake => true,
-        }
-    }
-}
-
-crate::choices! {
-    /// The mode of the power stage, as a parameter.
-    pub enum StageChoice {
-        /// The first mode of the board.
-        Board = "board",
-        /// [`StageMode::Amplifier`].
-        Amplifier = "amplifier",
-        /// [`StageMode::PwmDirection`].
-        PwmDirection = "pwm-dir",
-        /// [`StageMode::TwoPwmCoast`].
-        TwoPwmCoast = "two-pwm-coast",
-        /// [`StageMode::TwoPwmBrake`].
-        TwoPwmBrake = "two-pwm-brake",
-        /// [`StageMode::Complementary`].
-        Complementary = "complementary",
-    }
-}
-
-impl StageChoice {
-    /// The mode, on a board with these.
-    ///
-    /// # Errors
-    /// The board can't do it.
-    pub fn on(self, board: &[StageMode]) -> Result<StageMode, ParameterError> {
-        let chosen = match self {
-            Self::Board => board.first().copied(),
-            Self::Amplifier => Some(StageMode::Amplifier),
-            Self::PwmDirection => Some(StageMode::PwmDirection),
-            Self::TwoPwmCoast => Some(StageMode::TwoPwmCoast),
-            Self::TwoPwmBrake => Some(StageMode::TwoPwmBrake),
-            Self::Complementary => Some(StageMode::Complementary),
-        };
-        let (value, max) = (self as u32 as f32, 0.0);
-        let other =
-            ParameterError { name: "stage_mode", value, max, given_by: "the power stage of the board" };
-        chosen.filter(|mode| board.contains(mode)).ok_or(other)
-    }
-}
+pub use crate::stage_mode::{StageChoice, StageMode};
+use crate::torque::{BridgeReading, Motor, TorqueControl, TorqueSource};
 
 /// What a power stage reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,21 +22,8 @@ pub enum PowerStageFault {
     Overcurrent = 4,
     /// The bridge is too hot.
     Overtemperature = 5,
-}
-
-/// The outputs to a motor.
-pub trait PowerStage {
-    /// Switches the outputs on, at no torque, with this modulation.
-    fn enable(&mut self, modulation: &Modulation);
-
-    /// Commands a torque in N m, within [`Modulation::largest_torque_nm`]. Never switches the outputs on.
-    fn apply(&mut self, torque_nm: f32);
-
-    /// Switches the outputs off. Calls may be repeated.
-    fn disable(&mut self);
-
-    /// The present fault; also one that passed since the last call.
-    fn fault(&mut self) -> Option<PowerStageFault>;
+    /// The sensor of the current doesn't show the middle of its range while the bridge is off.
+    CurrentSensor = 6,
 }
 
 /// From a torque to the duties of both channels.
@@ -109,6 +33,12 @@ pub struct Modulation {
     pub mode: StageMode,
     /// Frequency in Hz, 100 to 20,000.
     pub frequency_hz: u32,
+    /// What makes the torque.
+    pub source: TorqueSource,
+    /// The motor at a bridge.
+    pub motor: Motor,
+    /// The bridge, where the drive makes the torque.
+    pub bridge: BridgeLimits,
     /// Torque for a duty of 1 more than `offset`, in N m.
     pub nm_per_full_duty: f32,
     /// Duty of no torque, 0 to 1; 0 in a mode whose duty is the size of the torque.
@@ -121,12 +51,35 @@ pub struct Modulation {
     pub direction: Direction,
 }
 
+/// The drive switches a bridge off beyond this multiple of the largest current that a command may have.
+pub const OVERCURRENT: f32 = 1.5;
+/// Largest offset of a sensor that works, as a part of its range.
+pub const LARGEST_OFFSET: f32 = 0.1;
+
+/// What a bridge and its sensors can do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BridgeLimits {
+    /// Voltage of the bus, in V, where nothing measures it.
+    pub supply_v: f32,
+    /// Current in A that takes the converter from the middle to its end.
+    pub current_range_a: f32,
+    /// Whether the sensor shows more for a positive duty.
+    pub current_direction: Direction,
+    /// Voltage of the bus in V at the end of the converter.
+    pub supply_range_v: f32,
+    /// Largest current in A.
+    pub current_limit_a: f32,
+}
+
 impl Modulation {
     /// Checks that every torque up to `torque_limit_nm`, in either direction, has a duty.
     ///
     /// # Errors
     /// The parameter beyond what the others allow.
     pub fn check(&self, torque_limit_nm: f32) -> Result<(), ParameterError> {
+        if self.source != TorqueSource::Amplifier {
+            return self.check_bridge(torque_limit_nm);
+        }
         ParameterError::at_most("duty_min", self.min, self.offset, "duty_offset")?;
         ParameterError::at_most("duty_offset", self.offset, self.max, "duty_max")?;
         // Of any other offset these stages make a torque.
@@ -143,6 +96,56 @@ impl Modulation {
         ParameterError::at_most("torque_limit_nm", torque_limit_nm, largest_nm, "the limits of the duty")
     }
 
+    fn check_bridge(&self, torque_limit_nm: f32) -> Result<(), ParameterError> {
+        let BridgeLimits { supply_v, current_range_a, current_limit_a, .. } = self.bridge;
+        let Motor { resistance_ohm, torque_constant_nm_a, .. } = self.motor;
+        // An amplifier has a current loop of its own. Between the pulses of a coasting motor no voltage is known.
+        let has_no_voltage = match self.mode {
+            StageMode::Amplifier => true,
+            StageMode::TwoPwmCoast => self.source == TorqueSource::Current,
+            StageMode::PwmDirection | StageMode::TwoPwmBrake | StageMode::Complementary => false,
+        };
+        if has_no_voltage {
+            let (value, max) = (self.source as u32 as f32, 0.0);
+            return Err(ParameterError { name: "torque_source", value, max, given_by: "stage_mode" });
+        }
+        if self.source == TorqueSource::Current {
+            // The sensor has to show the current that switches off.
+            let largest_a = current_range_a * ((1.0 - LARGEST_OFFSET) / OVERCURRENT);
+            ParameterError::at_most("current_limit_a", current_limit_a, largest_a, "current_range_a")?;
+            let largest_nm = current_limit_a * torque_constant_nm_a * (1.0 + ROUNDING);
+            return ParameterError::at_most(
+                "torque_limit_nm",
+                torque_limit_nm,
+                largest_nm,
+                "current_limit_a",
+            );
+        }
+        let largest_nm =
+            self.largest_duty() * supply_v / resistance_ohm * torque_constant_nm_a * (1.0 + ROUNDING);
+        ParameterError::at_most("torque_limit_nm", torque_limit_nm, largest_nm, "the voltage at standstill")
+    }
+
+    /// Largest mean voltage of a bridge as a fraction of the bus.
+    fn largest_duty(&self) -> f32 {
+        if self.mode == StageMode::Complementary { 2.0 * self.max - 1.0 } else { self.max }
+    }
+
+    /// The control of the torque by the measured current.
+    #[must_use]
+    pub fn current_control(&self) -> TorqueControl {
+        TorqueControl::by_current(self.motor, 1.0 / self.frequency_hz as f32, self.largest_duty())
+    }
+
+    /// The high times of channels 1 and 2 for a mean voltage of a bridge as a fraction of the bus, -1 to 1.
+    #[must_use]
+    pub fn bridge_channels(&self, duty: f32) -> [f32; 2] {
+        let largest = self.largest_duty();
+        let duty = Real::clamp(self.direction.of_torque(duty), -largest, largest);
+        let above_offset = if self.mode == StageMode::Complementary { 0.5 * duty } else { duty };
+        self.of_mode(0.5 + above_offset, above_offset)
+    }
+
     /// Largest torque in N m that has a duty in both directions.
     #[must_use]
     pub fn largest_torque_nm(&self) -> f32 {
@@ -151,12 +154,22 @@ impl Modulation {
         self.nm_per_full_duty * if is_smaller_below { below } else { above }
     }
 
-    /// The high times of channels 1 and 2 for a torque in N m, 0 to 1. A torque that is not finite has the duty of no torque.
+    /// The high times of channels 1 and 2 for a torque in N m at a speed of the motor in rad/s, 0 to 1. A torque that is not finite has
+    /// the duty of no torque. Not for a torque that is made by the measured current.
     #[must_use]
-    pub fn channels(&self, torque_nm: f32) -> [f32; 2] {
+    pub fn channels(&self, torque_nm: f32, speed_rad_s: f32) -> [f32; 2] {
+        if self.source != TorqueSource::Amplifier {
+            let reading = BridgeReading { current_a: 0.0, bus_v: self.bridge.supply_v };
+            let mut control = TorqueControl::by_voltage(self.motor, self.largest_duty());
+            return self.bridge_channels(control.duty(torque_nm, speed_rad_s, &reading));
+        }
         let torque_nm = if torque_nm.is_finite() { self.direction.of_torque(torque_nm) } else { 0.0 };
         let above_offset = torque_nm / self.nm_per_full_duty;
-        let duty = Real::clamp(self.offset + above_offset, self.min, self.max);
+        self.of_mode(Real::clamp(self.offset + above_offset, self.min, self.max), above_offset)
+    }
+
+    /// The channels for a duty of a stage with an offset, or a signed one of a stage without.
+    fn of_mode(&self, duty: f32, above_offset: f32) -> [f32; 2] {
         let size = Real::clamp(Real::abs(above_offset), 0.0, self.max);
         let of_direction =
             |this: f32, other: f32| if above_offset < 0.0 { [other, this] } else { [this, other] };
@@ -170,72 +183,23 @@ impl Modulation {
     }
 }
 
-/// What the drive commands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StageCommand {
-    /// Outputs off.
-    Off,
-    /// A torque.
-    Torque {
-        /// Torque in N m.
-        torque_nm: f32,
-        /// Modulation of the run.
-        modulation: Modulation,
-    },
-}
-
-/// A power stage that follows a drive.
-pub struct Actuator<S> {
-    stage: S,
-    is_on: bool,
-}
-
-impl<S: PowerStage> Actuator<S> {
-    /// A stage that is off.
-    pub fn new(mut stage: S) -> Self {
-        stage.disable();
-        Self { stage, is_on: false }
-    }
-
-    /// Applies what the drive commands. To be called after every call of the drive that may change its state.
-    pub fn follow(&mut self, command: StageCommand) {
-        match command {
-            StageCommand::Off => {
-                self.stage.disable();
-                self.is_on = false;
-            }
-            StageCommand::Torque { torque_nm, modulation } => {
-                // Once in a run: a stage that a fault has switched off stays off until the drive has seen the fault.
-                if !self.is_on {
-                    self.stage.enable(&modulation);
-                    self.is_on = true;
-                }
-                self.stage.apply(torque_nm);
-            }
-        }
-    }
-
-    /// See [`PowerStage::fault`].
-    pub fn fault(&mut self) -> Option<PowerStageFault> {
-        self.stage.fault()
-    }
-
-    /// The stage.
-    pub fn stage(&self) -> &S {
-        &self.stage
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use std::vec::Vec;
-
+pub(crate) mod tests {
     use super::*;
 
     /// 10 to 90 % for 8 N m in either direction.
-    const AMPLIFIER: Modulation = Modulation {
+    pub(crate) const AMPLIFIER: Modulation = Modulation {
         mode: StageMode::Amplifier,
         frequency_hz: 20_000,
+        source: TorqueSource::Amplifier,
+        motor: Motor { resistance_ohm: 0.5, inductance_h: 1e-3, torque_constant_nm_a: 0.25 },
+        bridge: BridgeLimits {
+            supply_v: 24.0,
+            current_range_a: 80.0,
+            current_direction: Direction::Forward,
+            supply_range_v: 60.0,
+            current_limit_a: 40.0,
+        },
         nm_per_full_duty: 20.0,
         offset: 0.5,
         min: 0.1,
@@ -253,23 +217,26 @@ mod tests {
     #[test]
     fn the_duty_is_the_offset_plus_the_torque_over_its_scale() {
         for (torque_nm, duty) in [(0.0, 0.5), (5.0, 0.75), (-5.0, 0.25), (8.0, 0.9), (-8.0, 0.1)] {
-            near(AMPLIFIER.channels(torque_nm)[0], duty);
+            near(AMPLIFIER.channels(torque_nm, 0.0)[0], duty);
             let reversed = Modulation { direction: Direction::Reverse, ..AMPLIFIER };
-            near(reversed.channels(-torque_nm)[0], duty);
+            near(reversed.channels(-torque_nm, 0.0)[0], duty);
         }
     }
 
     #[test]
     fn a_duty_stays_within_the_limits_of_the_amplifier() {
         for torque_nm in [9.0, 1e30, f32::MAX] {
-            assert_eq!([AMPLIFIER.channels(torque_nm)[0], AMPLIFIER.channels(-torque_nm)[0]], [0.9, 0.1]);
+            assert_eq!(
+                [AMPLIFIER.channels(torque_nm, 0.0)[0], AMPLIFIER.channels(-torque_nm, 0.0)[0]],
+                [0.9, 0.1]
+            );
         }
     }
 
     #[test]
     fn a_torque_that_is_no_number_has_the_duty_of_no_torque() {
         for torque_nm in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            assert_eq!(AMPLIFIER.channels(torque_nm)[0], 0.5);
+            assert_eq!(AMPLIFIER.channels(torque_nm, 0.0)[0], 0.5);
         }
     }
 
@@ -306,24 +273,27 @@ mod tests {
         for (mode, forward, backward, none) in modes {
             let bridge = Modulation { mode, ..BRIDGE };
             for (torque_nm, want) in [(5.0, forward), (-5.0, backward), (0.0, none), (f32::NAN, none)] {
-                assert_eq!(bridge.channels(torque_nm), want, "{mode:?}, {torque_nm} N m");
+                assert_eq!(bridge.channels(torque_nm, 0.0), want, "{mode:?}, {torque_nm} N m");
             }
             let reversed = Modulation { direction: Direction::Reverse, ..bridge };
             assert_eq!(
-                [5.0, -5.0].map(|torque_nm| reversed.channels(torque_nm)),
+                [5.0, -5.0].map(|torque_nm| reversed.channels(torque_nm, 0.0)),
                 [backward, forward],
                 "{mode:?}"
             );
         }
         let halves = Modulation { mode: StageMode::Complementary, ..AMPLIFIER };
-        assert_eq!([5.0, -5.0, 0.0].map(|it| halves.channels(it)), [[0.75, 0.25], [0.25, 0.75], [0.5, 0.5]]);
+        assert_eq!(
+            [5.0, -5.0, 0.0].map(|it| halves.channels(it, 0.0)),
+            [[0.75, 0.25], [0.25, 0.75], [0.5, 0.5]]
+        );
     }
 
     #[test]
     fn the_size_of_a_torque_has_the_whole_duty_and_needs_no_offset() {
         near(BRIDGE.largest_torque_nm(), 19.0);
         assert_eq!(BRIDGE.check(19.0), Ok(()));
-        assert_eq!(BRIDGE.channels(100.0), [0.95, 1.0]);
+        assert_eq!(BRIDGE.channels(100.0, 0.0), [0.95, 1.0]);
         let name = |modulation: Modulation| modulation.check(1.0).map_err(|error| error.name);
         assert_eq!(name(Modulation { offset: 0.1, ..BRIDGE }), Err("duty_offset"));
         let halves = Modulation { mode: StageMode::Complementary, ..AMPLIFIER };
@@ -337,40 +307,56 @@ mod tests {
         assert_eq!(BRIDGE.check(19.1).map_err(|error| error.name), Err("torque_limit_nm"));
     }
 
-    #[test]
-    fn a_board_has_its_first_mode_unless_another_of_its_own_is_chosen() {
-        let board = [StageMode::Complementary, StageMode::PwmDirection];
-        assert_eq!(StageChoice::Board.on(&board), Ok(StageMode::Complementary));
-        assert_eq!(StageChoice::PwmDirection.on(&board), Ok(StageMode::PwmDirection));
-        assert_eq!(StageChoice::Amplifier.on(&board).map_err(|error| error.name), Err("stage_mode"));
-    }
-
-    /// Records the calls.
-    #[derive(Default)]
-    struct Recorder(Vec<&'static str>);
-
-    impl PowerStage for Recorder {
-        fn enable(&mut self, _: &Modulation) {
-            self.0.push("enable");
-        }
-        fn apply(&mut self, _: f32) {
-            self.0.push("apply");
-        }
-        fn disable(&mut self) {
-            self.0.push("disable");
-        }
-        fn fault(&mut self) -> Option<PowerStageFault> {
-            None
-        }
-    }
+    /// A motor with 0.5 Ohm and 0.25 N m/A at 24 V.
+    const BY_VOLTAGE: Modulation = Modulation {
+        source: TorqueSource::Voltage,
+        mode: StageMode::PwmDirection,
+        min: 0.0,
+        max: 1.0,
+        ..AMPLIFIER
+    };
 
     #[test]
-    fn a_stage_is_enabled_once_in_a_run_and_disabled_at_its_end() {
-        let mut actuator = Actuator::new(Recorder::default());
-        let on = StageCommand::Torque { torque_nm: 1.0, modulation: AMPLIFIER };
-        for command in [on, on, StageCommand::Off, on] {
-            actuator.follow(command);
+    fn a_voltage_is_that_of_the_torque_and_of_the_speed() {
+        // 2.4 N m are 9.6 A and 4.8 V of 24; 48 rad/s are 12 V.
+        for (torque_nm, speed_rad_s, want) in [
+            (2.4, 0.0, [0.2, 1.0]),
+            (-2.4, 0.0, [0.2, 0.0]),
+            (2.4, 48.0, [0.7, 1.0]),
+            (100.0, 0.0, [1.0, 1.0]),
+        ] {
+            let have = BY_VOLTAGE.channels(torque_nm, speed_rad_s);
+            assert!(
+                have.iter().zip(want).all(|(have, want): (&f32, f32)| (have - want).abs() < 1e-6),
+                "{have:?}"
+            );
         }
-        assert_eq!(actuator.stage().0, ["disable", "enable", "apply", "apply", "disable", "enable", "apply"]);
+        let halves = Modulation { mode: StageMode::Complementary, ..BY_VOLTAGE };
+        near(halves.channels(2.4, 0.0)[0], 0.6);
+        near(halves.channels(2.4, 0.0)[1], 0.4);
+        let reversed = Modulation { direction: Direction::Reverse, ..BY_VOLTAGE };
+        assert_eq!(reversed.channels(2.4, 0.0)[1], 0.0);
+        assert_eq!(BY_VOLTAGE.channels(f32::NAN, 0.0)[0], 0.0);
+    }
+
+    #[test]
+    fn a_bridge_needs_a_known_voltage_and_a_current_that_its_sensor_shows() {
+        let by_current = Modulation { source: TorqueSource::Current, ..BY_VOLTAGE };
+        let name = |modulation: Modulation, limit_nm| modulation.check(limit_nm).map_err(|error| error.name);
+        // 24 V at standstill: 48 A, 12 N m. 40 A: 10 N m.
+        assert_eq!((name(BY_VOLTAGE, 12.0), name(by_current, 10.0)), (Ok(()), Ok(())));
+        assert_eq!(name(BY_VOLTAGE, 12.1), Err("torque_limit_nm"));
+        assert_eq!(name(by_current, 10.1), Err("torque_limit_nm"));
+        for modulation in [BY_VOLTAGE, by_current] {
+            let at_amplifier = Modulation { mode: StageMode::Amplifier, ..modulation };
+            assert_eq!(name(at_amplifier, 1.0), Err("torque_source"));
+        }
+        let coasting = |it: Modulation| Modulation { mode: StageMode::TwoPwmCoast, ..it };
+        assert_eq!(
+            (name(coasting(BY_VOLTAGE), 1.0), name(coasting(by_current), 1.0)),
+            (Ok(()), Err("torque_source"))
+        );
+        let bridge = BridgeLimits { current_limit_a: 48.1, ..by_current.bridge };
+        assert_eq!(name(Modulation { bridge, ..by_current }, 1.0), Err("current_limit_a"));
     }
 }

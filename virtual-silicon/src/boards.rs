@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_wrong_pin_map_is_one_sentence() {
-        let wrong_pin = "isn't a pin: write PA0 to PK15, then input, output or AF0 to AF15, then pull-up, \
+        let wrong_pin = "isn't a pin: write PA0 to PK15, then input, output, analog or AF0 to AF15, then pull-up, \
                          pull-down or nothing, in `load.a`";
         for (from, to, want) in [
             ("PB6 AF2", "PB16 AF2", &*format!("\"PB16 AF2 pull-up\" {wrong_pin}")),
@@ -163,7 +163,7 @@ mod tests {
             (
                 "enable",
                 "able",
-                "unknown field `able`, expected one of `outputs`, `complements`, `break_input`, `enable`, `unused_gates`, in `bridge`",
+                "unknown field `able`, expected one of `outputs`, `complements`, `break_input`, `enable`, `current`, `bus`, `unused_gates`, in `bridge`",
             ),
             ("enable =", "#", "missing field `enable`, in `bridge`"),
             (", \"PA9 AF1\"]", "]", "invalid length 1, expected an array of length 2, in `bridge.outputs`"),

@@ -66,7 +66,7 @@ impl Chip {
     pub fn hold_crystal(&mut self, at: VirtualNanos, accessed: u64) {
         if accessed == self.part.registers().clock_control {
             let control = self.register(accessed) & !CRYSTAL_ON;
-            self.part.mcu().write(at, accessed, Width::W32, control).expect("the register exists");
+            self.write_register(accessed, control, at);
         }
     }
 
@@ -81,9 +81,19 @@ impl Chip {
         self.is_set(&MAIN_OUTPUT)
     }
 
-    /// A register as a debugger reads it. None of those that are asked for depends on time.
+    /// A register as a debugger reads it, which doesn't depend on time.
     fn register(&mut self, address: u64) -> u64 {
-        self.part.mcu().peek(VirtualNanos(0), address, Width::W32).expect("the register exists")
+        self.register_at(address, VirtualNanos(0))
+    }
+
+    /// A register as a debugger reads it.
+    pub(crate) fn register_at(&mut self, address: u64, at: VirtualNanos) -> u64 {
+        self.part.mcu().peek(at, address, Width::W32).expect("the register exists")
+    }
+
+    /// Writes a register, as what the models lack would do.
+    pub(crate) fn write_register(&mut self, address: u64, value: u64, at: VirtualNanos) {
+        self.part.mcu().write(at, address, Width::W32, value).expect("the register exists");
     }
 
     /// A register of the port of a pin, by its offset.

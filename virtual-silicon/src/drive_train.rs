@@ -1,7 +1,7 @@
 //! A plant between bridge and encoders.
 //!
-//! Each PWM period the plant takes a step under the torque of the duty that the bridge carries at its start. The edges of both
-//! encoders occur at their own instants within the period, as positions pass the counts on a straight line. A timer
+//! Each PWM period the plant takes a step under the torque of the duty that the bridge carries at its start. With a motor at the
+//! bridge it takes one in each half of a period, and one when the converters start. The edges of both encoders occur at their own instants within the period, as positions pass the counts on a straight line. A timer
 //! therefore counts at most one edge at a time, as on a board.
 
 use std::collections::VecDeque;
@@ -11,6 +11,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use lashloop_plant::Plant;
 
+use crate::motor_at_bridge::MotorAtBridge;
 use crate::pins::Pins;
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::wiring::Encoder;
@@ -22,7 +23,8 @@ const STEP: Duration = Duration::from_micros(50);
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scales {
-    /// Torque at duty 1, N m; at duty 0.5 the torque is 0, at duty 0 its negative.
+    /// Torque at duty 1, N m; at duty 0.5 the torque is 0, at duty 0 its negative. Not for a motor at the bridge.
+    #[serde(default)]
     pub nm_per_full_duty: f64,
     /// Counts per revolution of the encoder at the motor.
     pub motor_counts_per_rev: f64,
@@ -41,7 +43,11 @@ pub struct DriveTrain {
     /// Counts of motor and load at the last edges.
     shown: [i64; 2],
     next_step: Option<Duration>,
+    /// Device time of the plant.
+    at: Duration,
     torque_nm: f64,
+    /// The motor; `None` for an amplifier that makes the torque.
+    motor_at_bridge: Option<MotorAtBridge>,
     cut: Vec<(Encoder, Channel)>,
 }
 
@@ -59,9 +65,22 @@ impl DriveTrain {
             edges: VecDeque::new(),
             shown,
             next_step: None,
+            at: Duration::ZERO,
             torque_nm: 0.0,
+            motor_at_bridge: None,
             cut: Vec::new(),
         }
+    }
+
+    /// The same plant behind a motor at the bridge.
+    #[must_use]
+    pub fn behind_motor(self, motor: MotorAtBridge) -> Self {
+        Self { motor_at_bridge: Some(motor), ..self }
+    }
+
+    /// The motor at the bridge.
+    pub fn motor_at_bridge(&mut self) -> Option<&mut MotorAtBridge> {
+        self.motor_at_bridge.as_mut()
     }
 
     /// The plant.
@@ -112,21 +131,48 @@ impl DriveTrain {
             chip.set_encoder(Encoder::Load, self.load);
             // The amplifier is ready.
             chip.drive_break(Some(false));
+            self.at = now;
             now
         });
-        let due = if due <= now {
-            self.step(now, chip)?;
-            *self.next_step.insert(now + STEP)
+        let due = if due <= now || chip.samples() && self.motor_at_bridge.is_some() {
+            let step = match &mut self.motor_at_bridge {
+                // The plant is ahead of the chip by a step.
+                None => self.step(now, STEP, chip)?,
+                // It is behind: the bridge may have changed meanwhile.
+                Some(_) => self.follow_motor(now, chip)?,
+            };
+            *self.next_step.insert(now + step)
         } else {
             due
         };
         Ok(self.edges.front().map_or(due, |(at, ..)| due.min(*at)))
     }
 
-    fn step(&mut self, now: Duration, chip: &mut Pins<'_>) -> Result<()> {
+    /// Steps motor and plant up to now, and shows the sensor what it has to show. Returns the time until the next step.
+    fn follow_motor(&mut self, now: Duration, chip: &mut Pins<'_>) -> Result<Duration> {
+        let elapsed = now.saturating_sub(self.at);
+        let Some(motor) = &mut self.motor_at_bridge else { return Ok(STEP) };
+        if !elapsed.is_zero() {
+            self.torque_nm = motor.step(&*self.plant, elapsed.as_secs_f64());
+            // Its edges are shown half a period late: their instants lie behind.
+            self.step_plant(now, elapsed)?;
+        }
+        let Some(motor) = &mut self.motor_at_bridge else { return Ok(STEP) };
+        motor.look(chip);
+        self.at = now;
+        Ok(motor.half_period())
+    }
+
+    fn step(&mut self, now: Duration, step: Duration, chip: &mut Pins<'_>) -> Result<Duration> {
         self.torque_nm = chip.driving().map_or(0.0, |duty| (2.0 * duty - 1.0) * self.scales.nm_per_full_duty);
+        self.step_plant(now, step)?;
+        Ok(step)
+    }
+
+    /// Steps the plant, whose edges come from now on.
+    fn step_plant(&mut self, now: Duration, step: Duration) -> Result<()> {
         let before = counts(&*self.plant, &self.scales);
-        self.plant.step(self.torque_nm, STEP.as_secs_f64()).context("the plant can't be followed")?;
+        self.plant.step(self.torque_nm, step.as_secs_f64()).context("the plant can't be followed")?;
         let after = counts(&*self.plant, &self.scales);
         let ways = [
             (Encoder::Motor, &mut self.motor, before.0, after.0),
@@ -140,7 +186,7 @@ impl DriveTrain {
                 // The count changes where the position passes the greater of its two sides.
                 let passed = count.max(quadrature.count()) as f64;
                 let fraction = ((passed - from) / (to - from)).clamp(0.0, 1.0);
-                self.edges.push_back((now + STEP.mul_f64(fraction), encoder, edge, quadrature.count()));
+                self.edges.push_back((now + step.mul_f64(fraction), encoder, edge, quadrature.count()));
             }
         }
         self.edges.make_contiguous().sort_by_key(|(at, ..)| *at);

@@ -96,6 +96,7 @@ pub(crate) fn is_configured(chip: &mut Chip, pin: Pin) -> bool {
         Mode::Input => 0b00,
         Mode::Output => 0b01,
         Mode::Alternate(_) => 0b10,
+        Mode::Analog => 0b11,
     };
     let pull = match pin.pull {
         Pull::Open => 0b00,

@@ -29,7 +29,9 @@
 
 pub mod access;
 pub mod boards;
+mod centred_pulse;
 pub mod chip;
+mod converter_trigger;
 pub mod drive_train;
 pub mod drive_train_file;
 pub mod gate_driver;
@@ -38,6 +40,7 @@ mod inputs;
 mod lockstep;
 pub mod lsi_capture;
 pub mod machine;
+pub mod motor_at_bridge;
 pub mod pacer;
 mod part;
 pub mod pins;

@@ -11,6 +11,7 @@ use rigless::time::VirtualNanos;
 
 use crate::access::Violations;
 use crate::chip::Chip;
+use crate::converter_trigger::ConverterTrigger;
 use crate::inputs::Inputs;
 use crate::lsi_capture::LsiCapture;
 use crate::pins::{Bridge, Pins};
@@ -51,6 +52,7 @@ pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings
         lsi: LsiCapture::after_reset(VirtualNanos(0)),
         due: FIRST_TURN,
         edge: None,
+        trigger: ConverterTrigger::default(),
         resets: 0,
         end: None,
         bridge: None,
@@ -78,6 +80,7 @@ struct Machine<S> {
     due: VirtualNanos,
     /// The next edge of the low-speed oscillator.
     edge: Option<VirtualNanos>,
+    trigger: ConverterTrigger,
     /// Resets of the chip that the inputs have followed.
     resets: usize,
     end: Option<End>,
@@ -136,21 +139,30 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
             self.resets = session.resets().len();
             self.inputs = Inputs::default();
             self.lsi = LsiCapture::after_reset(stop.at);
+            self.trigger = ConverterTrigger::default();
         }
         let edge = self.lsi.turn(session.board_mut(), stop.at);
         let is_for_edge = std::mem::replace(&mut self.edge, edge) == Some(stop.at);
-        if is_for_edge && stop.at < self.due {
-            return Some(edge.map_or(self.due, |edge| edge.min(self.due)));
+        let samples = self.trigger.is_due(stop.at);
+        let next_of = |due: VirtualNanos, others: [Option<VirtualNanos>; 2]| {
+            Some(others.into_iter().flatten().fold(due, VirtualNanos::min))
+        };
+        if is_for_edge && stop.at < self.due && !samples {
+            let trigger = self.trigger.turn(session.board_mut(), stop.at);
+            return next_of(self.due, [edge, trigger]);
         }
         self.inputs.settle(session.board_mut(), &self.wiring, stop.at);
-        let mut chip = Pins::new(session, host, stop.at, &self.wiring, &mut self.inputs);
+        let chip = Pins::new(session, host, stop.at, &self.wiring, &mut self.inputs);
+        let mut chip = chip.at_sample(samples);
         let next = self.surroundings.turn(&mut chip);
         watch_bridge(&mut self.surroundings, &mut self.bridge, &mut chip);
+        // The surroundings have put their voltages on the pins.
+        let trigger = self.trigger.turn(session.board_mut(), stop.at);
         match next {
             ControlFlow::Continue(next) => {
                 let nanoseconds = u64::try_from(next.as_nanos()).unwrap_or(u64::MAX);
                 self.due = VirtualNanos(nanoseconds.max(stop.at.0 + 1));
-                Some(edge.map_or(self.due, |edge| edge.min(self.due)))
+                next_of(self.due, [edge, trigger])
             }
             ControlFlow::Break(end) => {
                 self.end = Some(end);

@@ -42,6 +42,8 @@ pub(crate) struct Registers {
     pub(crate) watchdog_freezes: Bits,
     /// A halted core stops TIM1.
     pub(crate) bridge_freezes: Bits,
+    /// ADC_CR2 of the converters that TIM1 starts; `None` for a family without them.
+    pub(crate) converter_control: Option<u64>,
 }
 
 /// What virtual silicon needs of the models of a family. Registers are read by their addresses.
@@ -68,6 +70,9 @@ pub(crate) trait Part: fmt::Debug + Send {
 
     /// Drives a pin from outside, or releases it.
     fn drive_pin(&mut self, at: VirtualNanos, pin: Pin, level: Option<Level>);
+
+    /// Puts a voltage on an analog pin of the converters that TIM1 starts.
+    fn drive_analog(&mut self, _pin: Pin, _millivolts: u32) {}
 
     /// Drives the input of a channel of a general-purpose timer.
     fn drive_timer(&mut self, at: VirtualNanos, timer: Timer, channel: Channel, level: Level);

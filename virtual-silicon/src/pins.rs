@@ -13,10 +13,11 @@ use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
+use crate::centred_pulse::centred_pulse;
 use crate::chip::Chip;
 use crate::gate_driver::GateDriver;
 use crate::inputs::{self, Inputs, is_configured, is_connected};
-use crate::part::Driven;
+use crate::part::{Driven, SUPPLY_MV};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
@@ -60,6 +61,7 @@ pub struct Pins<'a> {
     at: VirtualNanos,
     wiring: &'a Wiring,
     inputs: &'a mut Inputs,
+    samples: bool,
 }
 
 impl<'a> Pins<'a> {
@@ -70,7 +72,12 @@ impl<'a> Pins<'a> {
         wiring: &'a Wiring,
         inputs: &'a mut Inputs,
     ) -> Self {
-        Self { session, host, at, wiring, inputs }
+        Self { session, host, at, wiring, inputs, samples: false }
+    }
+
+    /// The same instant, at which the converters start.
+    pub(crate) fn at_sample(self, samples: bool) -> Self {
+        Self { samples, ..self }
     }
 
     /// Device time since reset.
@@ -112,6 +119,23 @@ impl<'a> Pins<'a> {
         if let Some(pin) = self.wiring.bridge.break_input {
             self.drive_pin(pin, is_high);
         }
+    }
+
+    /// Puts voltages on the pins of the current sensor and of the divided bus. A board may have neither.
+    pub fn drive_bridge_sensor(&mut self, current_v: f64, bus_v: f64) {
+        let bridge = &self.wiring.bridge;
+        for (pin, volts) in [(bridge.current, current_v), (bridge.bus, bus_v)] {
+            if let Some(pin) = pin {
+                let millivolts = (1e3 * volts).round().clamp(0.0, SUPPLY_MV.into()) as u32;
+                self.session.board_mut().part.drive_analog(pin, millivolts);
+            }
+        }
+    }
+
+    /// Whether the converters start at this instant.
+    #[must_use]
+    pub fn samples(&self) -> bool {
+        self.samples
     }
 
     /// Stops the crystal.
@@ -273,7 +297,13 @@ impl<'a> Pins<'a> {
 
 /// What TIM1 drives at a pin; `None` if the image has not connected them.
 fn connected(chip: &mut Chip, pin: Pin, output: TimerOutput) -> Option<Driven> {
-    is_connected(chip, pin).then(|| chip.part.output(output))
+    is_connected(chip, pin).then(|| {
+        let mut driven = chip.part.output(output);
+        if driven.level.is_some() && driven.pulse.is_none() && chip.has_main_output() {
+            driven.pulse = centred_pulse(chip, output);
+        }
+        driven
+    })
 }
 
 /// High time of an output, 0 or 1 for a level; `None` if its timer doesn't drive it.

@@ -8,6 +8,7 @@ use rigless::device::Level;
 use rigless::machine::armv7m;
 use rigless::mcu::Mcu;
 use rigless::soc::st::tim::Channel;
+use rigless::soc::stm32f427::peripherals::adc;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::soc::stm32f427::{PORTS, Stm32f427};
 use rigless::time::VirtualNanos;
@@ -27,6 +28,7 @@ const REGISTERS: Registers = Registers {
     // DBG_IWDG_STOP of DBGMCU_APB1_FZ, DBG_TIM1_STOP of DBGMCU_APB2_FZ.
     watchdog_freezes: Bits { address: 0xe004_2008, mask: 1 << 12 },
     bridge_freezes: Bits { address: 0xe004_200c, mask: 1 << 0 },
+    converter_control: Some(0x4001_2008),
 };
 
 /// The part with this crystal.
@@ -77,6 +79,14 @@ impl Part for Stm32f427 {
         self.drive_port(at, pin.port, |port, registers, context| {
             port.drive(port_pin(pin), level, registers, context);
         });
+    }
+
+    /// Inputs 0 to 7 of ADC1 are at port A, 8 and 9 at port B, 10 to 15 at port C.
+    fn drive_analog(&mut self, pin: Pin, millivolts: u32) {
+        let first = [0, 8, 10][pin.port.min(2)];
+        if let Some(channel) = adc::Channel::new(first + pin.pin) {
+            self.adc[0].set_input(channel, millivolts);
+        }
     }
 
     fn drive_timer(&mut self, at: VirtualNanos, timer: Timer, channel: Channel, level: Level) {

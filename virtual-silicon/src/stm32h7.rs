@@ -41,6 +41,7 @@ const REGISTERS: Registers = Registers {
     // DBG_IWDG1 of DBGMCU_APB4FZ1, DBG_TIM1 of DBGMCU_APB2FZ1.
     watchdog_freezes: Bits { address: 0x5c00_1054, mask: 1 << 18 },
     bridge_freezes: Bits { address: 0x5c00_104c, mask: 1 << 0 },
+    converter_control: None,
 };
 /// The low-speed oscillator among the inputs of channel 1 of TIM16 (RM0433 41.6.18, TI1SEL).
 const LSI: u8 = 1;

@@ -25,6 +25,8 @@ pub enum Mode {
     Input,
     /// Output of the software.
     Output,
+    /// Input of a converter.
+    Analog,
 }
 
 impl Mode {
@@ -34,6 +36,7 @@ impl Mode {
             Self::Alternate(_) => "an alternate function",
             Self::Input => "an input",
             Self::Output => "an output",
+            Self::Analog => "analog",
         }
     }
 }
@@ -66,7 +69,7 @@ pub struct Pin {
 /// A text that isn't a pin.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{0:?} isn't a pin: write PA0 to PK15, then input, output or AF0 to AF15, then pull-up, pull-down or nothing"
+    "{0:?} isn't a pin: write PA0 to PK15, then input, output, analog or AF0 to AF15, then pull-up, pull-down or nothing"
 )]
 pub struct WrongPin(String);
 
@@ -86,6 +89,7 @@ fn read_pin(text: &str) -> Option<Pin> {
     let mode = match *mode {
         "input" => Mode::Input,
         "output" => Mode::Output,
+        "analog" => Mode::Analog,
         function => Mode::Alternate(number(function.strip_prefix("AF")?)?),
     };
     let pull = match pull {
@@ -237,6 +241,10 @@ pub struct BridgePins {
     pub break_input: Option<Pin>,
     /// Enable output, active high.
     pub enable: Pin,
+    /// Sensor of the motor's current; a board may have none.
+    pub current: Option<Pin>,
+    /// Voltage of the bus, divided.
+    pub bus: Option<Pin>,
     /// Gates that stay off.
     #[serde(default)]
     pub unused_gates: Vec<Pin>,
@@ -330,6 +338,8 @@ impl Wiring {
         ];
         uses.extend(bridge.outputs.map(|pin| ("bridge.outputs", pin, ALTERNATE)));
         uses.extend(bridge.complements.map(|pin| ("bridge.complements", pin, ALTERNATE)));
+        uses.extend(bridge.current.map(|pin| ("bridge.current", pin, Mode::Analog)));
+        uses.extend(bridge.bus.map(|pin| ("bridge.bus", pin, Mode::Analog)));
         uses.extend(bridge.break_input.map(|pin| ("bridge.break_input", pin, ALTERNATE)));
         uses.extend(bridge.unused_gates.iter().map(|pin| ("bridge.unused_gates", *pin, Mode::Input)));
         uses.extend(self.high.iter().map(|pin| ("high", *pin, Mode::Output)));
@@ -360,7 +370,7 @@ mod tests {
         {
             assert_eq!(read(wrong), Err(WrongPin(wrong.to_owned())));
         }
-        for wrong in ["PC6 AF16", "PC6 analog", "PC6 AF2 up", "PC6 AF2 pull-up pull-up", "PC6  AF2", "P"] {
+        for wrong in ["PC6 AF16", "PC6 analogue", "PC6 AF2 up", "PC6 AF2 pull-up pull-up", "PC6  AF2", "P"] {
             assert_eq!(read(wrong), Err(WrongPin(wrong.to_owned())));
         }
     }

@@ -7,17 +7,18 @@ use lashloop_protocol::enums::State;
 use rtic::Mutex;
 
 use super::Fitted;
+use super::bridge_exchange;
 use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
 use super::pac::Interrupt;
-use super::parts::{PeriodTimer as _, StageLines as _};
+use super::parts::{BridgeSensor as _, PeriodTimer as _, StageLines as _};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
+use crate::actuator::Actuator;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::input_filter::FILTERS;
 use crate::law::LawSet;
-use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
 
 /// The power stage as the drive commands it.
@@ -29,6 +30,7 @@ pub(super) const HARDWARE: PinHardware = PinHardware {
     filters: &FILTERS,
     stage_modes: <Fitted as Chip>::StageLines::MODES,
     longest_period_us: u32::MAX,
+    measures_current: <Fitted as Chip>::Sensor::EXISTS,
 };
 
 /// The tick and the encoders, for the task of TIM5.
@@ -87,8 +89,18 @@ impl Tick {
         }
         let since_due = Duration::from_micros(self.timer.count_us().into());
         let due = self.clock.now().saturating_sub(since_due);
-        let readings =
-            PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
+        let needs_sensor = drive.measures_current();
+        stage.stage_mut().expect_sensor(needs_sensor);
+        // Until the first offset it measures in any case.
+        <Fitted as Chip>::Sensor::listen(
+            needs_sensor || bridge_exchange::OFFSET_IS_PLAUSIBLE.get().is_none(),
+        );
+        let readings = PinReadings {
+            motor: self.motor.read(),
+            load: self.load.read(),
+            stage_fault: stage.fault(),
+            torque_nm: bridge_exchange::take_torque_nm(),
+        };
         drive.sample(&readings, due, &self.clock);
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept
         // SysTick waiting.

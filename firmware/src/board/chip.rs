@@ -9,7 +9,7 @@ use cortex_m::interrupt::InterruptNumber;
 use usb_device::bus::UsbBus;
 
 use super::clock_source::ClockSource;
-use super::parts::{EncoderInput, PeriodTimer, PwmTimer, Receiver, StageLines, Transmitter};
+use super::parts::{BridgeSensor, EncoderInput, PeriodTimer, PwmTimer, Receiver, StageLines, Transmitter};
 use super::pwm_stage::PwmStage;
 use super::usb_port::UsbMemory;
 use crate::usb::UsbLine;
@@ -34,6 +34,8 @@ pub trait Chip: Sized + 'static {
     type Pwm: PwmTimer;
     /// The board's lines to its power stage.
     type StageLines: StageLines;
+    /// The board's sensor of the current of a bridge, and of its bus.
+    type Sensor: BridgeSensor;
     /// Timer of the tick; its interrupt is TIM5.
     type Tick: PeriodTimer;
     /// Timer of the monitor; its interrupt is TIM2.
@@ -45,6 +47,8 @@ pub trait Chip: Sized + 'static {
     const CHIP: &'static str;
     /// Interrupt of the link.
     const LINK: Self::Interrupt;
+    /// Interrupt of the bridge's sensor.
+    const SENSOR: Self::Interrupt;
     /// Start of the boot loader in ROM (ST AN2606).
     const ROM: u32;
     /// Where the loader's interrupt vectors are once [`Self::show_rom`] has been called.
@@ -95,6 +99,8 @@ pub struct Bench<C: Chip> {
     pub load: C::LoadEncoder,
     /// The power stage, off.
     pub stage: PwmStage<C::Pwm, C::StageLines>,
+    /// The sensor of the bridge.
+    pub sensor: C::Sensor,
     /// The timer of the tick.
     pub tick: C::Tick,
     /// The timer of the monitor.

@@ -10,15 +10,16 @@
 /// lashloop_firmware::image!(my_law::Laws);
 /// ```
 ///
-/// It has seven tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks
+/// It has eight tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks
 /// the watchdog every millisecond. `serve` feeds received bytes of the USART and the USB port to the drive and passes its
 /// output on. In HIL mode the control law has no timer: the encoder frame is the tick. `step` is the tick of bench mode; the
 /// emulator has no timer for it. `monitor` switches the power stage off if the next tick is overdue, and `overdue` latches
-/// the fault. Each task that may change the state of the drive applies it to the power stage before it ends.
+/// the fault. `sample` is the current loop of a bridge. Each task that may change the state of the drive applies it to the power stage before it ends.
 ///
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
 /// | `monitor` | TIM2 | 4 | a step that never ends leaves no torque on |
+/// | `sample` | the converters of the board | 4 | a duty is due half a period after its sample |
 /// | `usart` | the serial port of the board | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
 /// | `step` | TIM5 | 2 | a control step waits for one request at most |
@@ -30,7 +31,7 @@ macro_rules! image {
     ($laws:ty) => {
         $crate::image_of_board!($laws);
     };
-    ($laws:ty, $usart:ident) => {
+    ($laws:ty, $usart:ident, $sensor:ident) => {
         type LawsOfImage = $laws;
 
         // RTIC's expansion takes the peripherals and unmasks interrupts. Nothing else here is unsafe.
@@ -41,7 +42,7 @@ macro_rules! image {
 
             use $crate::drive::{Clock, Drive};
             use $crate::board::pac::Interrupt;
-            use $crate::board::{self, Board, DeviceClock, LineError, Lines, Memory, Stage, Tick, TickMonitor, Ticker, UsartInterrupt};
+            use $crate::board::{self, BenchTasks, Board, BridgeLoop, DeviceClock, LineError, Lines, Memory, Stage, Tick, TickMonitor, Ticker, UsartInterrupt};
             use $crate::board::{cortex_m, rtic};
 
             use super::LawsOfImage;
@@ -59,6 +60,7 @@ macro_rules! image {
             struct Local {
                 ticker: Ticker,
                 steps: Option<Tick>,
+                bridge: Option<BridgeLoop>,
                 usart: UsartInterrupt,
                 lines: Lines,
             }
@@ -67,10 +69,14 @@ macro_rules! image {
             fn init(cx: init::Context) -> (Shared, Local) {
                 let Board { drive, bench, clock, ticker, usart, lines } =
                     board::start((cx.core.SYST, &cx.core.MPU), cx.device, cx.local.memory);
-                let (stage, ticks) = bench.unzip();
-                let (steps, monitor) = ticks.unzip();
+                let (stage, steps, monitor, bridge) = match bench {
+                    Some(BenchTasks { stage, steps, monitor, bridge }) => {
+                        (Some(stage), Some(steps), Some(monitor), Some(bridge))
+                    }
+                    None => (None, None, None, None),
+                };
                 let shared = Shared { drive, stage, monitor, clock, line_errors: AtomicU32::new(0) };
-                (shared, Local { ticker, steps, usart, lines })
+                (shared, Local { ticker, steps, bridge, usart, lines })
             }
 
             #[task(binds = $usart, priority = 3, local = [usart], shared = [&line_errors])]
@@ -126,6 +132,13 @@ macro_rules! image {
                 rtic::pend(Interrupt::EXTI0);
             }
 
+            #[task(binds = $sensor, priority = 4, local = [bridge])]
+            fn sample(cx: sample::Context) {
+                if let Some(bridge) = cx.local.bridge {
+                    bridge.step();
+                }
+            }
+
             #[task(binds = EXTI0, priority = 2, shared = [drive, stage, &clock])]
             fn overdue(cx: overdue::Context) {
                 let now = cx.shared.clock.now();
@@ -173,5 +186,5 @@ macro_rules! image {
     };
 }
 
-// `image_of_board!`: the image with the interrupt of the board's link.
+// `image_of_board!`: the image with the interrupts of the board's link and converters.
 include!(concat!(env!("OUT_DIR"), "/image_of_board.rs"));

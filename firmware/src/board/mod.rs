@@ -12,6 +12,8 @@
 #[allow(dead_code, unused_imports, reason = "a board may have a bridge with lines of its own")]
 mod amplifier;
 mod bench;
+mod bridge_exchange;
+mod bridge_loop;
 pub mod chip;
 mod clock_source;
 mod device_clock;
@@ -36,6 +38,7 @@ pub use cortex_m;
 pub use rtic;
 
 pub use bench::{Stage, Tick};
+pub use bridge_loop::BridgeLoop;
 pub use device_clock::{DeviceClock, Ticker};
 pub use link::UsartInterrupt;
 pub use parts::LineError;
@@ -84,8 +87,8 @@ impl Default for Memory {
 pub struct Board<L: LawSet> {
     /// The drive, as after power-up.
     pub drive: Drive<L>,
-    /// The power stage, the tick for the task of TIM5, and its monitor for that of TIM2; `None` in the emulator.
-    pub bench: Option<(Stage, (Tick, TickMonitor))>,
+    /// Bench mode; `None` in the emulator.
+    pub bench: Option<BenchTasks>,
     /// The clock, for the tasks that need device time.
     pub clock: DeviceClock,
     /// The counter of the clock, for the task of SysTick.
@@ -94,6 +97,18 @@ pub struct Board<L: LawSet> {
     pub usart: UsartInterrupt,
     /// The lines, for the task that serves the drive.
     pub lines: Lines,
+}
+
+/// What the tasks of bench mode need.
+pub struct BenchTasks {
+    /// The power stage.
+    pub stage: Stage,
+    /// The tick, for the task of TIM5.
+    pub steps: Tick,
+    /// The monitor of the tick, for the task of TIM2.
+    pub monitor: TickMonitor,
+    /// The current loop, for the task of the bridge's sensor.
+    pub bridge: BridgeLoop,
 }
 
 /// Starts the board within 0.2 s, with or without a crystal.
@@ -120,10 +135,11 @@ pub fn start<L: LawSet>(
     let (clock, ticker) = device_clock::start(syst);
     let (mut drive, bench) = match (source, bench) {
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
-        (_, Some(Bench { motor, load, stage, tick, monitor })) => {
+        (_, Some(Bench { motor, load, stage, sensor, tick, monitor })) => {
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
-            let tick = Tick::start(tick, (motor, load), clock, drive.period());
-            (drive, Some((Stage::new(stage), (tick, TickMonitor::new(monitor)))))
+            let steps = Tick::start(tick, (motor, load), clock, drive.period());
+            let (monitor, bridge) = (TickMonitor::new(monitor), BridgeLoop::start(sensor));
+            (drive, Some(BenchTasks { stage: Stage::new(stage), steps, monitor, bridge }))
         }
         (source, None) => {
             let mut drive = Drive::with_laws(Fitted::BOARD).with_loader();

@@ -88,18 +88,50 @@ pub trait EncoderInput: Send + 'static {
     fn levels(&self) -> (bool, bool);
 }
 
+/// Converters of a bridge's current and of the voltage of its bus, which the timer of the modulation starts in the middle of each
+/// period. Their interrupt is that of the task `sample`.
+pub trait BridgeSensor: Send + 'static {
+    /// Whether the board has them.
+    const EXISTS: bool;
+
+    /// Takes the readings, 12 bits each: current, with no current in the middle, and bus. Clears what raised the interrupt.
+    fn take(&mut self) -> [u16; 2];
+
+    /// Lets the timer start conversions, or stops it, from any code.
+    fn listen(does: bool);
+}
+
+/// A board that measures neither.
+#[allow(dead_code, reason = "a board may have converters")]
+pub struct NoSensor;
+
+impl BridgeSensor for NoSensor {
+    const EXISTS: bool = false;
+
+    fn take(&mut self) -> [u16; 2] {
+        [0; 2]
+    }
+
+    fn listen(_: bool) {}
+}
+
 /// Pulse-width modulation with two channels, their complements, and a break input: a timer at [`CORE_HZ`]. While the main output is
 /// off, its outputs are driven to their idle level, low; a break turns off without a clock, and only software turns on
 /// again.
 pub trait PwmTimer: Send + 'static {
-    /// Selects the period in counts and cycles per count, and which outputs are driven, while the main output is off.
-    fn select(&mut self, cycles_per_count: u16, counts: u16, outputs: Outputs);
+    /// Selects the period in counts and cycles per count, and which outputs are driven, while the main output is off. A centred
+    /// period counts up and down again: its high times are in the middle, and the bridge's sensor is started halfway between two.
+    fn select(&mut self, cycles_per_count: u16, counts: u16, is_centred: bool, outputs: Outputs);
 
     /// The count.
     fn count(&self) -> u16;
 
     /// Sets the high times of both channels in counts. Both take effect at one update, and none comes in between.
     fn set_high(&mut self, first: u16, second: u16);
+
+    /// Sets the high times of both channels in counts, from any code. They take effect at the next update, of which none may come in
+    /// between.
+    fn set_high_from_any_code(first: u16, second: u16);
 
     /// Makes what has been set take effect at once, in a new period.
     fn update(&mut self);

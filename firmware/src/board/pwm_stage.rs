@@ -1,31 +1,36 @@
 //! The power stage: pulse-width modulation. A board has its lines to amplifier or bridge.
 
+use super::bridge_exchange::{self, BridgeCommand, COMMAND, OFFSET_IS_PLAUSIBLE, RUN};
 use super::parts::{CORE_HZ, Outputs, PwmTimer, StageLines};
-use crate::power_stage::{Modulation, PowerStage, PowerStageFault, StageMode};
+use crate::actuator::PowerStage;
+use crate::power_stage::{Modulation, PowerStageFault, StageMode};
+use crate::torque::TorqueSource;
 
 /// The power stage of a board.
 pub struct PwmStage<T, S> {
     timer: T,
     lines: S,
     modulation: Option<Modulation>,
-    /// Counts of the timer in a period of the modulation.
+    /// High time of a duty of 1, in counts of the timer.
     period_counts: u16,
+    /// Whether the next run needs the sensor of the current.
+    needs_sensor: bool,
 }
 
 impl<T: PwmTimer, S: StageLines> PwmStage<T, S> {
     /// The stage with a timer that runs with its main output off.
     pub(super) fn new(timer: T, lines: S) -> Self {
-        let mut stage = Self { timer, lines, modulation: None, period_counts: 0 };
+        let mut stage = Self { timer, lines, modulation: None, period_counts: 0, needs_sensor: false };
         if let Some(mode) = S::MODES.first() {
-            stage.select(*mode, 20_000);
+            stage.select(*mode, 20_000, false);
         }
         stage.timer.update();
         stage
     }
 
     /// Selects outputs and frequency, while the outputs are off. Those that the mode doesn't use are not driven.
-    fn select(&mut self, mode: StageMode, frequency_hz: u32) {
-        let cycles = CORE_HZ / frequency_hz.max(1);
+    fn select(&mut self, mode: StageMode, frequency_hz: u32, is_centred: bool) {
+        let cycles = CORE_HZ / (frequency_hz.max(1) * if is_centred { 2 } else { 1 });
         let cycles_per_count = cycles / u32::from(u16::MAX) + 1;
         // Both fit in 16 bits from 1 Hz on.
         self.period_counts = (cycles / cycles_per_count) as u16;
@@ -33,7 +38,12 @@ impl<T: PwmTimer, S: StageLines> PwmStage<T, S> {
             has_second: mode != StageMode::Amplifier,
             has_complements: mode == StageMode::Complementary,
         };
-        self.timer.select(cycles_per_count as u16, self.period_counts, outputs);
+        self.timer.select(cycles_per_count as u16, self.period_counts, is_centred, outputs);
+    }
+
+    /// Tells whether the next run needs the sensor of the current.
+    pub(super) fn expect_sensor(&mut self, needs_sensor: bool) {
+        self.needs_sensor = needs_sensor;
     }
 
     /// Sets the high times of both channels, 0 to 1.
@@ -52,8 +62,14 @@ impl<T: PwmTimer, S: StageLines> PwmStage<T, S> {
 impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
     fn enable(&mut self, modulation: &Modulation) {
         self.modulation = Some(*modulation);
-        self.select(modulation.mode, modulation.frequency_hz);
-        self.set_channels(modulation.channels(0.0));
+        let is_measured = modulation.source == TorqueSource::Current;
+        self.select(modulation.mode, modulation.frequency_hz, is_measured);
+        if is_measured {
+            self.set_channels(modulation.bridge_channels(0.0));
+            bridge_exchange::begin(*modulation, self.period_counts);
+        } else {
+            self.set_channels(modulation.channels(0.0, 0.0));
+        }
         // From the preload to counter and comparator before the output is on.
         self.timer.update();
         // The monitor of the tick interrupts tasks; between read and write its trip would be undone.
@@ -61,23 +77,32 @@ impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
         self.lines.enable();
     }
 
-    fn apply(&mut self, torque_nm: f32) {
-        if let Some(modulation) = &self.modulation {
-            self.set_channels(modulation.channels(torque_nm));
+    fn apply(&mut self, torque_nm: f32, speed_rad_s: f32) {
+        match &self.modulation {
+            Some(modulation) if modulation.source == TorqueSource::Current => {
+                COMMAND.set(BridgeCommand { torque_nm, speed_rad_s });
+            }
+            Some(modulation) => self.set_channels(modulation.channels(torque_nm, speed_rad_s)),
+            None => {}
         }
     }
 
     fn disable(&mut self) {
         S::switch_off();
+        RUN.set(None);
         self.modulation = None;
     }
 
     fn fault(&mut self) -> Option<PowerStageFault> {
         // The timer keeps a pulse of the input; the pin has the level.
         if self.timer.take_break() {
-            Some(PowerStageFault::BreakInput)
-        } else {
-            self.lines.fault(self.modulation.is_none())
+            return Some(PowerStageFault::BreakInput);
         }
+        let of_lines = self.lines.fault(self.modulation.is_none());
+        let without_offset = || {
+            (self.needs_sensor && OFFSET_IS_PLAUSIBLE.get() != Some(true))
+                .then_some(PowerStageFault::CurrentSensor)
+        };
+        of_lines.or_else(bridge_exchange::take_fault).or_else(without_offset)
     }
 }

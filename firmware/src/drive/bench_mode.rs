@@ -12,8 +12,9 @@ use super::machine::Drive;
 use super::pin_run::PinRun;
 use super::pins::PinReadings;
 use super::run::{PinStep, Run};
+use crate::actuator::StageCommand;
 use crate::law::LawSet;
-use crate::power_stage::StageCommand;
+use crate::torque::TorqueSource;
 
 impl<L: LawSet> Drive<L> {
     /// Takes what the pins read at the tick that was due at device time `due`. While the drive runs in bench mode this is a
@@ -84,12 +85,25 @@ impl<L: LawSet> Drive<L> {
         of_run.or_else(|| Some(self.parameters.pins()?.encoder_filter_ns)).unwrap_or_default()
     }
 
+    /// Whether a run needs the measured current.
+    #[must_use]
+    pub fn measures_current(&self) -> bool {
+        // A run has its parameters at hand.
+        let of_run = self.lifecycle.run().and_then(Run::pins).map(|pins| pins.parameters().torque_source);
+        let source = of_run.or_else(|| Some(self.parameters.bench_mode()?.torque_source));
+        source == Some(TorqueSource::Current)
+    }
+
     /// What the power stage has to do.
     #[must_use]
     pub fn stage_command(&self) -> StageCommand {
         let run = self.lifecycle.run();
         run.and_then(|run| Some((run, run.pins()?))).map_or(StageCommand::Off, |(run, pins)| {
-            StageCommand::Torque { torque_nm: run.torque_nm(), modulation: pins.modulation() }
+            StageCommand::Torque {
+                torque_nm: run.torque_nm(),
+                speed_rad_s: run.motor_speed_rad_s(),
+                modulation: pins.modulation(),
+            }
         })
     }
 

@@ -129,6 +129,11 @@ impl<L: LawSet> ControlLoop<L> {
         self.law.takes_torque()
     }
 
+    /// Speed of the motor at the last step in rad/s.
+    pub(super) fn motor_speed_rad_s(&self) -> f32 {
+        self.sensing.motion().motor_velocity_rad_s
+    }
+
     /// Twist of the last step in rad at the motor.
     pub(super) fn twist_rad(&self) -> f32 {
         self.sensing.motion().twist_rad

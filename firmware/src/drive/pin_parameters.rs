@@ -3,7 +3,8 @@
 use super::pins::PinHardware;
 use crate::direction::Direction;
 use crate::law::ParameterError;
-use crate::power_stage::{Modulation, StageChoice};
+use crate::power_stage::{BridgeLimits, Modulation, StageChoice};
+use crate::torque::{Motor, TorqueSource};
 
 crate::choices! {
     /// Source of the samples, and with it the destination of the torque.
@@ -46,6 +47,24 @@ crate::parameters! {
         stage_mode: StageChoice = Board;
         /// Frequency of the pulse-width modulation.
         pwm_frequency_hz: U32 = 20_000 in 100..=20_000, "Hz";
+        /// What makes the torque of a command.
+        torque_source: TorqueSource = Amplifier;
+        /// Resistance of the motor at a bridge, with that of the bridge.
+        motor_resistance_ohm: F32 = 1.0 in 1e-3..=1e4, "Ohm";
+        /// Inductance of the motor at a bridge.
+        motor_inductance_h: F32 = 1e-3 in 1e-6..=10.0, "H";
+        /// Torque constant of the motor at a bridge; that of its back-EMF is equal.
+        torque_constant_nm_a: F32 = 0.1 in 1e-4..=1e3, "N m/A";
+        /// Voltage of the bus of a bridge where nothing measures it.
+        supply_v: F32 = 24.0 in 1.0..=1e3, "V";
+        /// Current that takes the converter of the current sensor from the middle to its end.
+        current_range_a: F32 = 10.0 in 0.01..=1e4, "A";
+        /// Direction of the current sensor: whether it shows more for a positive duty.
+        current_direction: Direction = Forward;
+        /// Voltage of the bus at the end of its converter.
+        supply_range_v: F32 = 60.0 in 1.0..=1e3, "V";
+        /// Largest current of the motor, by command. Beyond 1.5 of it the drive switches the bridge off.
+        current_limit_a: F32 = 5.0 in 0.01..=1e4, "A";
     }
 }
 
@@ -53,11 +72,24 @@ impl PinParameters {
     /// From torque to duties, on a board with this hardware.
     ///
     /// # Errors
-    /// The board doesn't have the mode of the power stage.
+    /// The board doesn't have the mode of the power stage, or a sensor of the current.
     pub(super) fn modulation(&self, hardware: &PinHardware) -> Result<Modulation, ParameterError> {
         Ok(Modulation {
             mode: self.stage_mode.on(hardware.stage_modes)?,
             frequency_hz: self.pwm_frequency_hz,
+            source: hardware.source(self.torque_source)?,
+            motor: Motor {
+                resistance_ohm: self.motor_resistance_ohm,
+                inductance_h: self.motor_inductance_h,
+                torque_constant_nm_a: self.torque_constant_nm_a,
+            },
+            bridge: BridgeLimits {
+                supply_v: self.supply_v,
+                current_range_a: self.current_range_a,
+                current_direction: self.current_direction,
+                supply_range_v: self.supply_range_v,
+                current_limit_a: self.current_limit_a,
+            },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,
             min: self.duty_min,

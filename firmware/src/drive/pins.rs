@@ -10,6 +10,7 @@ use super::refusal::Refusal;
 use crate::input_filter::{InputFilter, filter_for};
 use crate::law::{DriveParameters, ParameterError, ROUNDING};
 use crate::power_stage::{PowerStageFault, StageMode};
+use crate::torque::TorqueSource;
 
 /// Mechanics that moved less in this time have rested.
 const REST: Duration = Duration::from_millis(500);
@@ -27,6 +28,8 @@ pub struct PinHardware {
     pub stage_modes: &'static [StageMode],
     /// Longest period of the tick, in us.
     pub longest_period_us: u32,
+    /// Whether it measures the current of a bridge, and the voltage of its bus.
+    pub measures_current: bool,
 }
 
 /// Limits of the hardware with the filter in force.
@@ -40,6 +43,19 @@ pub(super) struct PinLimits {
 }
 
 impl PinHardware {
+    /// What makes the torque.
+    ///
+    /// # Errors
+    /// Nothing measures the current that is to make it.
+    pub(super) fn source(&self, source: TorqueSource) -> Result<TorqueSource, ParameterError> {
+        if source == TorqueSource::Current && !self.measures_current {
+            let (value, max) = (source as u32 as f32, TorqueSource::Voltage as u32 as f32);
+            let given_by = "the current sensor that the board lacks";
+            return Err(ParameterError { name: "torque_source", value, max, given_by });
+        }
+        Ok(source)
+    }
+
     /// The limits with the shortest filter that stops pulses of this length.
     ///
     /// # Errors
@@ -72,7 +88,7 @@ pub struct EncoderReading {
 }
 
 /// The inputs of bench mode at the start of a period.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PinReadings {
     /// Motor encoder.
     pub motor: EncoderReading,
@@ -80,6 +96,8 @@ pub struct PinReadings {
     pub load: EncoderReading,
     /// Fault of the power stage.
     pub stage_fault: Option<PowerStageFault>,
+    /// Mean torque since the last readings in N m, by the measured current; `None` if nothing measures it.
+    pub torque_nm: Option<f32>,
 }
 
 /// Why the readings of the encoders allow no torque: the detail of the refusal.

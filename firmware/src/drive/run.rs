@@ -76,6 +76,11 @@ impl<L: LawSet> Run<L> {
         self.torque_nm
     }
 
+    /// Speed of the motor at the last step in rad/s.
+    pub(super) fn motor_speed_rad_s(&self) -> f32 {
+        self.control.motor_speed_rad_s()
+    }
+
     /// The values of all signals at the last step, by their indices.
     pub(super) fn signals(&self) -> [f32; MAX_SIGNALS] {
         self.control.signals()
@@ -131,8 +136,9 @@ impl<L: LawSet> Run<L> {
                 return Some(PinStep { sample: None, is_reported: false, fault: Some(violation) });
             }
         };
-        let held_nm = self.torque_nm;
-        let torque = self.step(&sample, 1);
+        // The law gets the torque that was.
+        let held_nm = readings.torque_nm.unwrap_or(self.torque_nm);
+        let torque = self.step(&sample, 1, held_nm);
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
         let torque = torque.and_then(|torque| {
@@ -167,7 +173,7 @@ impl<L: LawSet> Run<L> {
         self.watchdog.restart(arrived);
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
-        match self.step(sample, periods) {
+        match self.step(sample, periods, self.torque_nm) {
             Ok((torque_nm, requested_nm)) => {
                 flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
                 let elapsed = clock.now().saturating_sub(arrived);
@@ -192,12 +198,17 @@ impl<L: LawSet> Run<L> {
         }
     }
 
-    /// The torques in N m, after the limit and before it.
-    fn step(&mut self, sample: &EncoderSample, periods: u32) -> Result<(f32, f32), Violation> {
+    /// The torques in N m, after the limit and before it. `applied_torque_nm` is that since the last step.
+    fn step(
+        &mut self,
+        sample: &EncoderSample,
+        periods: u32,
+        applied_torque_nm: f32,
+    ) -> Result<(f32, f32), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
-        let requested_nm = self.control.step(sample, periods, self.torque_nm);
+        let requested_nm = self.control.step(sample, periods, applied_torque_nm);
         self.torque_nm = self.limits.clamp_torque(requested_nm)?;
         Ok((self.torque_nm, requested_nm))
     }

@@ -44,32 +44,38 @@ pub struct TorqueControl {
     motor: Motor,
     /// `None` if nothing measures the current.
     current: Option<CurrentLoop>,
+    /// Largest mean voltage as a fraction of the bus.
+    largest_duty: f32,
 }
 
 impl TorqueControl {
     /// Control by the measured current, stepped once in a period of the modulation.
     #[must_use]
-    pub fn by_current(motor: Motor, period_s: f32) -> Self {
-        Self { motor, current: Some(CurrentLoop::new(&motor, period_s)) }
+    pub fn by_current(motor: Motor, period_s: f32, largest_duty: f32) -> Self {
+        Self { motor, current: Some(CurrentLoop::new(&motor, period_s)), largest_duty }
     }
 
     /// Control by the voltage alone.
     #[must_use]
-    pub fn by_voltage(motor: Motor) -> Self {
-        Self { motor, current: None }
+    pub fn by_voltage(motor: Motor, largest_duty: f32) -> Self {
+        Self { motor, current: None, largest_duty }
     }
 
-    /// The duty of the next period, -1 to 1, for a torque in N m and the speed of the motor in rad/s; 0 without a voltage of the bus.
+    /// The duty of the next period, within the largest one, for a torque in N m and the speed of the motor in rad/s; 0 without a voltage of the bus.
     pub fn duty(&mut self, torque_nm: f32, speed_rad_s: f32, reading: &BridgeReading) -> f32 {
         let Motor { resistance_ohm, torque_constant_nm_a, .. } = self.motor;
         let wanted_a = torque_nm / torque_constant_nm_a;
         let emf_v = torque_constant_nm_a * speed_rad_s;
-        let bus_v = reading.bus_v;
+        let largest_v = self.largest_duty * reading.bus_v;
         let voltage_v = match &mut self.current {
             None => resistance_ohm * wanted_a + emf_v,
-            Some(control) => control.step(wanted_a - reading.current_a, emf_v, bus_v),
+            Some(control) => control.step(wanted_a - reading.current_a, emf_v, largest_v),
         };
         // NaN is greater than nothing.
-        if bus_v > 0.0 && voltage_v.is_finite() { Real::clamp(voltage_v / bus_v, -1.0, 1.0) } else { 0.0 }
+        if largest_v > 0.0 && voltage_v.is_finite() {
+            Real::clamp(voltage_v, -largest_v, largest_v) / reading.bus_v
+        } else {
+            0.0
+        }
     }
 }

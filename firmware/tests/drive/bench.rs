@@ -128,6 +128,29 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
     }
 }
 
+/// Observers start from the torque that was, which is less than the commanded one where a supply is weak.
+#[test]
+fn a_law_gets_the_torque_that_was_measured() {
+    let law = Laws::NAMES.iter().position(|name| *name == "braking-curve").expect("a law with observers");
+    let torques = |measured: fn(f32) -> Option<f32>| {
+        let mut host = PinHost::running(&[
+            ("controller", ParameterValue::U32(law as u32)),
+            ("load_counts_per_rev", ParameterValue::U32(LOAD_COUNTS_PER_REV)),
+        ]);
+        let steps = trajectory(false).take(500).map(|(motor, load, reference_rad)| {
+            host.refer(reference_rad);
+            host.turn(motor, load);
+            let torque_nm = host.step().torque_nm;
+            host.readings.torque_nm = measured(torque_nm);
+            torque_nm.to_bits()
+        });
+        steps.collect::<Vec<_>>()
+    };
+    let commanded = torques(|_| None);
+    assert_eq!(torques(Some), commanded);
+    assert_ne!(torques(|commanded_nm| Some(0.5 * commanded_nm)), commanded);
+}
+
 #[test]
 fn telemetry_of_a_step_follows_its_report() {
     let mut host = PinHost::running(&[]);

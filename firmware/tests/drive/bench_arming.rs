@@ -66,6 +66,17 @@ fn a_start_checks_the_pins_again() {
     }
 }
 
+/// The stage of the tests is an amplifier, which has a current loop of its own.
+#[test]
+fn a_torque_source_that_the_stage_does_not_have_is_named() {
+    for source in [1, 2] {
+        let mut host = PinHost::with(&[("torque_source", ParameterValue::U32(source))]);
+        host.tick();
+        let refusal = host.refusal(Arm { session: SESSION });
+        assert_eq!(refusal, (Outcome::Inconsistent, index("torque_source").into(), State::Idle));
+    }
+}
+
 #[test]
 fn an_encoder_at_its_limit_but_for_rounding_is_plausible() {
     // 2,001 counts less one, over 1 ms. The product of scale and counts is rounded otherwise than the limit.

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use lashloop_firmware::Laws;
+use lashloop_firmware::actuator::StageCommand;
 use lashloop_firmware::drive::{Drive, ManualClock};
-use lashloop_firmware::power_stage::StageCommand;
 use lashloop_protocol::enums::{Capabilities, Outcome, State};
 use lashloop_protocol::message::{Arm, EnterLoader, Start};
 use lashloop_protocol::{DriveMessage, HostMessage, Message};

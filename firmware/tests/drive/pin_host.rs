@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use lashloop_firmware::Laws;
+use lashloop_firmware::actuator::StageCommand;
 use lashloop_firmware::drive::{Drive, ManualClock, PinHardware, PinParameters, PinReadings};
 use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::law::{LawSet, Parameter, ParameterGroup};
-use lashloop_firmware::power_stage::{StageCommand, StageMode};
+use lashloop_firmware::power_stage::StageMode;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, BenchSample, FaultReport, ParameterReport, Reference, Reset, SetParameter, Start,
@@ -23,6 +24,7 @@ pub const HARDWARE: PinHardware = PinHardware {
     filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
+    measures_current: true,
 };
 
 pub const BENCH: [(&str, ParameterValue); 3] = [

@@ -35,7 +35,7 @@ impl Bench {
             speed_rad_s: 0.0,
             sensor: CurrentSensor::new(1),
             offset: SensorOffset::default(),
-            control: TorqueControl::by_current(motor, (1.0 / parameters.pwm_hz) as f32),
+            control: TorqueControl::by_current(motor, (1.0 / parameters.pwm_hz) as f32, 1.0),
             duty: 0.0,
         };
         while bench.offset.reading().is_none() {

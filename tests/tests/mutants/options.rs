@@ -21,6 +21,7 @@ const HARDWARE: PinHardware = PinHardware {
     filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
+    measures_current: false,
 };
 /// Time between two looks of the drive at its pins and its watchdog.
 const TICK: Duration = Duration::from_millis(1);

@@ -174,6 +174,13 @@ impl Bench {
         Self::new(image, train, Some(CRYSTAL_HZ))
     }
 
+    /// As [`Self::with_train`], with a drive train that takes these speeds.
+    pub fn with_turntable(image: &Symbols, train: DriveTrain, speeds: Speeds) -> Self {
+        let mut bench = Self::with_train(image, train);
+        bench.speeds = speeds;
+        bench
+    }
+
     /// As [`Self::power_up`], with a crystal that doesn't start.
     pub fn without_crystal(image: &Symbols) -> Self {
         Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), None)

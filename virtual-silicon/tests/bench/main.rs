@@ -5,6 +5,7 @@ mod bench;
 mod boards;
 mod boot;
 mod causes;
+mod current;
 mod docs;
 mod duty;
 mod encoders;

@@ -9,6 +9,8 @@
 //! | PB13, PB14 | TIM1 complements of both channels | low sides A and B of two half-bridges |
 //! | PB12 | TIM1 break input | power stage: low while it is ready |
 //! | PB0 | output | enable input of the power stage |
+//! | PC0 | ADC1 input 10 | current sensor of a bridge: half the supply of the chip at no current |
+//! | PC1 | ADC1 input 11 | voltage of the bus, divided |
 //! | PA2, PA3 | USART2 | link, see `link` |
 //! | OSC_IN, OSC_OUT | crystal of 8, 12, 16 or 25 MHz | |
 //!
@@ -21,13 +23,14 @@
 use stm32f4xx_hal::gpio::{
     Alternate, Output, PA2, PA3, PA8, PA9, PA11, PA12, PB0, PB6, PB7, PB12, PC6, PC7, Pull, gpiob, gpioc,
 };
-use stm32f4xx_hal::pac::{GPIOB, Interrupt, SPI3, TIM1, TIM3, TIM4, USART2};
+use stm32f4xx_hal::pac::{GPIOB, Interrupt, TIM3, TIM4, USART2};
 use stm32f4xx_hal::rcc::Rcc;
 
 use crate::board::amplifier::AmplifierLines;
 use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32f4::adc::Adc;
 use crate::board::stm32f4::encoder::Encoder;
-use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::ports::{Blocks, Ports};
 use crate::board::stm32f4::pwm::Tim1;
 
 /// The chip, as probe-rs names it.
@@ -41,10 +44,14 @@ pub const NAME: &str = "stm32f405";
 
 pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
 pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+/// PC0 has the current, PC1 the bus.
+pub type Sensor = Adc<10, 11>;
 
 /// The port of the link.
 pub type LinkPort = USART2;
 pub const LINK: Interrupt = Interrupt::USART2;
+/// Interrupt of the converters.
+pub const SENSOR: Interrupt = Interrupt::ADC;
 pub type LinkPins = (PA2, PA3);
 /// The pins of bench mode.
 pub type BenchPins = (PA8, PA9, gpiob::Parts, gpioc::Parts);
@@ -84,9 +91,9 @@ impl AmplifierLines for Lines {
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
     (first, second, b, c): BenchPins,
-    (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
+    Blocks { pwm, motor, load, adc, .. }: Blocks,
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>, Sensor) {
     let motor_pins = (
         c.pc6.into_alternate().internal_resistor(Pull::Up),
         c.pc7.into_alternate().internal_resistor(Pull::Up),
@@ -105,5 +112,8 @@ pub fn start(
     second.into_alternate::<1>().set_internal_resistor(Pull::Down);
     b.pb13.into_alternate::<1>().set_internal_resistor(Pull::Down);
     b.pb14.into_alternate::<1>().set_internal_resistor(Pull::Down);
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+    c.pc0.into_analog();
+    c.pc1.into_analog();
+    let sensor = Sensor::start(adc, rcc);
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage, sensor)
 }

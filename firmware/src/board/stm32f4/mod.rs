@@ -3,6 +3,8 @@
 #[allow(dead_code, reason = "a board may have a bridge without gate driver")]
 mod gate_driver;
 
+#[allow(dead_code, reason = "a board may have no sensor")]
+mod adc;
 mod clock_tree;
 mod encoder;
 mod ports;
@@ -24,7 +26,7 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::usb_port::UsbMemory;
-use ports::Ports;
+use ports::{Blocks, Ports};
 
 /// A chip of the family on the selected board.
 pub struct Stm32f4;
@@ -39,12 +41,14 @@ impl Chip for Stm32f4 {
     type LoadEncoder = fitted::LoadEncoder;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
+    type Sensor = fitted::Sensor;
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
+    const SENSOR: Interrupt = fitted::SENSOR;
     // RM0090 2.4, system memory.
     const ROM: u32 = 0x1fff_0000;
     const ROM_VECTORS: u32 = 0;
@@ -83,13 +87,19 @@ impl Chip for Stm32f4 {
         if is_emulated {
             return Started { clock, link, usb, bench: None };
         }
-        let timers = (device.TIM1, device.TIM3, device.TIM4, device.SPI3);
-        let (motor, load, stage) = fitted::start(bench_pins, timers, &mut rcc);
+        let blocks = Blocks {
+            pwm: device.TIM1,
+            motor: device.TIM3,
+            load: device.TIM4,
+            spi3: device.SPI3,
+            adc: (device.ADC1, device.ADC_COMMON),
+        };
+        let (motor, load, stage, sensor) = fitted::start(bench_pins, blocks, &mut rcc);
         let bench = clock.reason_against_bench_mode().is_none().then(|| {
             let tick = timers::Tim5::start(device.TIM5, &mut rcc);
             let monitor = timers::Tim2::start(device.TIM2, &mut rcc);
             watchdog::start(device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, tick, monitor }
+            Bench { motor, load, stage, sensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

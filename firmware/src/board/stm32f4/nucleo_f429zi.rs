@@ -9,6 +9,7 @@
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
 //! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
 //! | PE7 | D41 | output | enable input of the power stage |
+//! | PC0, PC3 | A1, A2 | ADC1 inputs 10 and 13 | as PC0 and PC1 there |
 //! | PD8, PD9 | | USART3 | the serial port of its ST-Link: link, see `link` |
 //! | PA11, PA12 | | USB | connector CN13 |
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
@@ -17,15 +18,16 @@
 //! line has another pin.
 
 use stm32f4xx_hal::gpio::{
-    Alternate, Output, PA11, PA12, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
+    Alternate, Output, PA11, PA12, PC0, PC3, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
 };
-use stm32f4xx_hal::pac::{GPIOE, Interrupt, SPI3, TIM1, TIM3, TIM4, USART3};
+use stm32f4xx_hal::pac::{GPIOE, Interrupt, TIM3, TIM4, USART3};
 use stm32f4xx_hal::rcc::Rcc;
 
 use crate::board::amplifier::AmplifierLines;
 use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32f4::adc::Adc;
 use crate::board::stm32f4::encoder::Encoder;
-use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::ports::{Blocks, Ports};
 use crate::board::stm32f4::pwm::Tim1;
 
 /// Name of the board.
@@ -39,17 +41,21 @@ pub const HAS_CLOCK: bool = true;
 
 pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
 pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
+/// PC0 has the current, PC3 the bus.
+pub type Sensor = Adc<10, 13>;
 
 /// The port of the link.
 pub type LinkPort = USART3;
 pub const LINK: Interrupt = Interrupt::USART3;
+/// Interrupt of the converters.
+pub const SENSOR: Interrupt = Interrupt::ADC;
 pub type LinkPins = (PD8, PD9);
 /// The pins of bench mode.
-pub type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);
+pub type BenchPins = ((PC6, PC7), (PD12, PD13), (PC0, PC3), gpioe::Parts);
 
 /// Port and pins of the link, pins of the USB port, and of bench mode.
 pub fn share(Ports { a, c, d, e, usart3, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((usart3, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), e))
+    ((usart3, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), (c.pc0, c.pc3), e))
 }
 
 /// The lines of the power stage.
@@ -81,10 +87,10 @@ impl AmplifierLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
-    ((motor_a, motor_b), (load_a, load_b), e): BenchPins,
-    (pwm, motor, load, _): (TIM1, TIM3, TIM4, SPI3),
+    ((motor_a, motor_b), (load_a, load_b), (current, bus), e): BenchPins,
+    Blocks { pwm, motor, load, adc, .. }: Blocks,
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>, Sensor) {
     let motor_pins = (
         motor_a.into_alternate().internal_resistor(Pull::Up),
         motor_b.into_alternate().internal_resistor(Pull::Up),
@@ -103,5 +109,8 @@ pub fn start(
     e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+    current.into_analog();
+    bus.into_analog();
+    let sensor = Sensor::start(adc, rcc);
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage, sensor)
 }

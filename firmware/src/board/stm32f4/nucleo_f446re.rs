@@ -14,7 +14,7 @@ use stm32f4xx_hal::pac::Interrupt;
 #[path = "f405_bare.rs"]
 mod bare;
 
-pub use bare::{Lines, LinkPins, LinkPort, LoadEncoder, MotorEncoder, share, start};
+pub use bare::{Lines, LinkPins, LinkPort, LoadEncoder, MotorEncoder, Sensor, share, start};
 
 /// Name of the board.
 pub const NAME: &str = "nucleo-f446re";
@@ -27,3 +27,5 @@ pub const HAS_CLOCK: bool = true;
 
 /// Interrupt of the link.
 pub const LINK: Interrupt = Interrupt::USART2;
+/// Interrupt of the converters.
+pub const SENSOR: Interrupt = Interrupt::ADC;

@@ -22,14 +22,14 @@ use stm32f4xx_hal::gpio::{
     Alternate, Input, PA2, PA3, PA7, PA8, PA9, PA10, PA11, PA12, PB4, PB5, PB6, PB7, PB13, PB14, PD2,
     PinState, Pull, gpiob, gpioc, gpiod,
 };
-use stm32f4xx_hal::pac::{Interrupt, SPI3, TIM1, TIM3, TIM4, USART2};
+use stm32f4xx_hal::pac::{Interrupt, TIM3, TIM4, USART2};
 use stm32f4xx_hal::rcc::Rcc;
 
-use crate::board::parts::{PwmTimer as _, StageLines};
+use crate::board::parts::{NoSensor, PwmTimer as _, StageLines};
 use crate::board::pwm_stage::PwmStage;
 use crate::board::stm32f4::encoder::Encoder;
 use crate::board::stm32f4::gate_driver::GateDriver;
-use crate::board::stm32f4::ports::Ports;
+use crate::board::stm32f4::ports::{Blocks, Ports};
 use crate::board::stm32f4::pwm::Tim1;
 use crate::power_stage::{PowerStageFault, StageMode};
 
@@ -45,6 +45,8 @@ pub const NAME: &str = "odrive-v3";
 /// The port of the link.
 pub type LinkPort = USART2;
 pub const LINK: Interrupt = Interrupt::USART2;
+/// Interrupt of the converters.
+pub const SENSOR: Interrupt = Interrupt::ADC;
 pub type LinkPins = (PA2, PA3);
 /// The pins of bench mode.
 pub type BenchPins = ((PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
@@ -56,6 +58,8 @@ pub fn share(Ports { a, b, c, d, usart2, .. }: Ports) -> ((LinkPort, LinkPins), 
 
 pub type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
 pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+/// The board's own shunts are not read yet.
+pub type Sensor = NoSensor;
 
 /// The lines of the gate drivers.
 pub struct Lines {
@@ -90,9 +94,9 @@ impl StageLines for Lines {
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
     ((pa7, pa8, pa9, pa10), b, c, d): BenchPins,
-    (pwm, motor, load, spi): (TIM1, TIM3, TIM4, SPI3),
+    Blocks { pwm, motor, load, spi3: spi, .. }: Blocks,
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
+) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>, Sensor) {
     // The gates of phase C and of M1 stay off.
     pa10.into_pull_down_input();
     b.pb15.into_pull_down_input();
@@ -124,5 +128,5 @@ pub fn start(
     let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
     let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());
     gate_enable.set_high();
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage, NoSensor)
 }

@@ -1,7 +1,9 @@
 //! The ports with pins in use, and the serial ports, for the file of a board to share out.
 
 use stm32f4xx_hal::gpio::{GpioExt, gpioa, gpiob, gpioc, gpiod, gpioe};
-use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, USART2, USART3};
+use stm32f4xx_hal::pac::{
+    ADC_COMMON, ADC1, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SPI3, TIM1, TIM3, TIM4, USART2, USART3,
+};
 use stm32f4xx_hal::rcc::Rcc;
 
 /// Each port of pins with its clock enabled.
@@ -32,4 +34,14 @@ impl Ports {
             usart3,
         }
     }
+}
+
+/// The blocks of bench mode.
+#[allow(dead_code, reason = "no board uses all of them")]
+pub(super) struct Blocks {
+    pub(super) pwm: TIM1,
+    pub(super) motor: TIM3,
+    pub(super) load: TIM4,
+    pub(super) spi3: SPI3,
+    pub(super) adc: (ADC1, ADC_COMMON),
 }

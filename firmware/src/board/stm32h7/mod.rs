@@ -24,6 +24,7 @@ use stm32h7xx_hal::serial::{Rx, Tx};
 
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
+use super::parts::NoSensor;
 use super::usb_port::UsbMemory;
 use ports::{Ports, Timers};
 
@@ -40,12 +41,14 @@ impl Chip for Stm32h7 {
     type LoadEncoder = fitted::LoadEncoder;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
+    type Sensor = NoSensor;
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
+    const SENSOR: Interrupt = fitted::SENSOR;
     const ROM: u32 = 0x1ff0_9800;
     // Nothing maps the ROM to address 0, where the loader of another family has its vectors.
     const ROM_VECTORS: u32 = Self::ROM;
@@ -95,7 +98,7 @@ impl Chip for Stm32h7 {
             let tick = timers::Tim5::start(device.TIM5, blocks.TIM5);
             let monitor = timers::Tim2::start(device.TIM2, blocks.TIM2);
             watchdog::start(&device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, tick, monitor }
+            Bench { motor, load, stage, sensor: NoSensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

@@ -38,6 +38,8 @@ pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
 
 /// Interrupt of the link.
 pub const LINK: Interrupt = Interrupt::USART3;
+/// Interrupt of the converters, which this board doesn't use yet.
+pub const SENSOR: Interrupt = Interrupt::ADC1_2;
 pub type LinkPins = (PD8<Alternate<7>>, PD9<Alternate<7>>);
 /// The pins of bench mode.
 pub type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);

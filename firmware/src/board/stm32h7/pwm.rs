@@ -27,15 +27,31 @@ impl Tim1 {
             w.lock().bits(1);
             w.ossi().idle_level().aoe().clear_bit().moe().disabled_idle()
         });
+        // The trigger of the bridge's sensor: high from the count of channel 4 on, independent of the main output.
+        timer.ccmr2_output().write(|w| w.oc4m().pwm_mode2());
+        timer.cr2.write(|w| w.mms().compare_oc4());
         timer.cr1.write(|w| w.arpe().enabled().cen().enabled());
         Self(timer)
     }
 }
 
 impl PwmTimer for Tim1 {
-    fn select(&mut self, cycles_per_count: u16, counts: u16, outputs: Outputs) {
+    fn select(&mut self, cycles_per_count: u16, counts: u16, is_centred: bool, outputs: Outputs) {
+        // A counter that runs doesn't change its direction.
+        self.0.cr1.modify(|_, w| w.cen().disabled());
+        self.0.cr1.modify(|_, w| if is_centred { w.cms().center_aligned2() } else { w.cms().edge_aligned() });
+        // A centred counter has its own direction, which stays where it was and can't be written until then.
+        if !is_centred {
+            self.0.cr1.modify(|_, w| w.dir().up());
+        }
+        self.0.cnt.reset();
         self.0.psc.write(|w| w.psc().bits(cycles_per_count - 1));
-        self.0.arr.write(|w| w.arr().bits(counts - 1));
+        // A centred counter turns at the last count, which it has once.
+        let last = if is_centred { counts } else { counts - 1 };
+        self.0.arr.write(|w| w.arr().bits(last));
+        // The sensor is started one count before the end, or the turn.
+        self.0.ccr4().write(|w| w.ccr().bits(last - 1));
+        self.0.cr1.modify(|_, w| w.cen().enabled());
         self.0.ccer.write(|w| {
             w.cc1e().set_bit().cc2e().bit(outputs.has_second);
             w.cc1ne().bit(outputs.has_complements).cc2ne().bit(outputs.has_complements)
@@ -51,6 +67,14 @@ impl PwmTimer for Tim1 {
         self.0.ccr1().write(|w| w.ccr().bits(first));
         self.0.ccr2().write(|w| w.ccr().bits(second));
         self.0.cr1.modify(|_, w| w.udis().enabled());
+    }
+
+    fn set_high_from_any_code(first: u16, second: u16) {
+        // SAFETY: while the loop of the bridge runs, only its interrupt writes these registers.
+        #[allow(unsafe_code)]
+        let timer = unsafe { &*TIM1::ptr() };
+        timer.ccr1().write(|w| w.ccr().bits(first));
+        timer.ccr2().write(|w| w.ccr().bits(second));
     }
 
     fn update(&mut self) {

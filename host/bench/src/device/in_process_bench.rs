@@ -8,10 +8,11 @@ use std::f64::consts::TAU;
 use std::io;
 use std::time::{Duration, Instant};
 
+use lashloop_firmware::actuator::StageCommand;
 use lashloop_firmware::drive::{Clock, Drive, EncoderReading, PinHardware, PinReadings};
 use lashloop_firmware::input_filter::FILTERS;
 use lashloop_firmware::law::LawSet;
-use lashloop_firmware::power_stage::{StageCommand, StageMode};
+use lashloop_firmware::power_stage::StageMode;
 use lashloop_link::in_process::{BOARD, Unread, next_tick};
 use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_plant::{Plant, PlantError};
@@ -27,6 +28,7 @@ const HARDWARE: PinHardware = PinHardware {
     filters: &FILTERS,
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 100_000,
+    measures_current: false,
 };
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);
@@ -66,15 +68,15 @@ impl DriveTrain {
             counts: EncoderCounts::wrapping(counts[side].wrapping_sub(self.zero[side])),
             illegal_transitions: 0,
         });
-        PinReadings { motor, load, stage_fault: None }
+        PinReadings { motor, load, ..PinReadings::default() }
     }
 
     /// Takes the duty of the power stage. One that is off leaves the motor without torque.
     fn follow(&mut self, command: StageCommand) {
         self.torque_nm = match command {
             StageCommand::Off => 0.0,
-            StageCommand::Torque { torque_nm, modulation } => {
-                let [duty, _] = modulation.channels(torque_nm);
+            StageCommand::Torque { torque_nm, speed_rad_s, modulation } => {
+                let [duty, _] = modulation.channels(torque_nm, speed_rad_s);
                 (f64::from(duty) - 0.5) * self.torque_per_duty_nm
             }
         };

@@ -98,9 +98,9 @@ impl DriveStage {
         Self {
             control: match settings.torque_source {
                 TorqueSource::Amplifier => None,
-                TorqueSource::Voltage => Some(TorqueControl::by_voltage(motor)),
+                TorqueSource::Voltage => Some(TorqueControl::by_voltage(motor, 1.0)),
                 TorqueSource::Current => {
-                    Some(TorqueControl::by_current(motor, (1.0 / parameters.pwm_hz) as f32))
+                    Some(TorqueControl::by_current(motor, (1.0 / parameters.pwm_hz) as f32, 1.0))
                 }
             },
             full_scale_nm: parameters.supply_v * torque_constant_nm_a / resistance_ohm,

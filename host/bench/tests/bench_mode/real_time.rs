@@ -48,6 +48,7 @@ impl DeviceKind for OwnClock {
             filters: &FILTERS,
             stage_modes: &[StageMode::Amplifier],
             longest_period_us: 65_536,
+            measures_current: false,
         };
         let now = Instant::now();
         let link = Ticking {

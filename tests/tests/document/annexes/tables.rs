@@ -39,8 +39,8 @@ pub fn of_drive(name: &str, old: &str) -> Option<String> {
     Some(table)
 }
 
-/// Parameters of bench mode that the contract doesn't ask for.
-const OWN: [&str; 3] = ["encoder_filter_ns", "stage_mode", "pwm_frequency_hz"];
+/// The first parameter of bench mode that the contract doesn't ask for; nor does it ask for those behind it.
+const FIRST_OWN: &str = "encoder_filter_ns";
 
 /// A part of the annex of bench mode, or of that of the Lashloop drive.
 pub fn of_bench_mode(name: &str, old: &str) -> Option<String> {
@@ -54,8 +54,10 @@ pub fn of_bench_mode(name: &str, old: &str) -> Option<String> {
         "own bench parameters" => true,
         _ => return None,
     };
-    let table = PinParameters::TABLE.iter().filter(|it| OWN.contains(&it.name) == is_own);
-    Some(Columns { header, key: &[0] }.filled(table.map(of).collect(), old))
+    let first_own = PinParameters::TABLE.iter().position(|it| it.name == FIRST_OWN)?;
+    let (contract, own) = PinParameters::TABLE.split_at(first_own);
+    let table = if is_own { own } else { contract };
+    Some(Columns { header, key: &[0] }.filled(table.iter().map(of).collect(), old))
 }
 
 impl Columns {

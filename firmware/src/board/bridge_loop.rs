@@ -1,0 +1,80 @@
+//! The current loop of a bridge: the interrupt of its sensor, once in each period of the modulation.
+//!
+//! It preempts the tick. It never switches the bridge on.
+
+use super::Fitted;
+use super::bridge_exchange::{BridgeRun, COMMAND, FAULT, MEASURED, OFFSET_IS_PLAUSIBLE, RUN};
+use super::chip::Chip;
+use super::parts::{BridgeSensor, PwmTimer, StageLines};
+use crate::law::Real;
+use crate::power_stage::{LARGEST_OFFSET, OVERCURRENT, PowerStageFault};
+use crate::torque::{BridgeReading, SensorOffset, TorqueControl};
+
+type Sensor = <Fitted as Chip>::Sensor;
+
+/// Steps of the converter, from the middle to its end.
+const HALF_RANGE: f32 = 2048.0;
+/// Periods from a bridge off to a motor without current.
+const DECAY: u32 = 400;
+
+/// The loop, for the task of the sensor.
+pub struct BridgeLoop {
+    sensor: Sensor,
+    offset: SensorOffset,
+    /// `None` while the bridge is off.
+    control: Option<TorqueControl>,
+    /// Periods until a bridge that is off has no current.
+    decay: u32,
+}
+
+impl BridgeLoop {
+    /// The loop of a sensor that measures from now on.
+    pub(super) fn start(sensor: Sensor) -> Self {
+        Sensor::listen(true);
+        Self { sensor, offset: SensorOffset::default(), control: None, decay: 0 }
+    }
+
+    /// Takes the readings of a period and sets the duty of the next one. To be called once per interrupt.
+    pub fn step(&mut self) {
+        let [current, bus] = self.sensor.take();
+        let (Some(run), Some(offset)) = (RUN.get(), self.offset.reading()) else { return self.rest(current) };
+        let BridgeRun { modulation, period_counts } = run;
+        let bridge = &modulation.bridge;
+        let above = (f32::from(current) - offset) * (bridge.current_range_a / HALF_RANGE);
+        let current_a = bridge.current_direction.of_torque(modulation.direction.of_torque(above));
+        let bus_v = f32::from(bus) * (bridge.supply_range_v / (2.0 * HALF_RANGE));
+        if Real::abs(current_a) > OVERCURRENT * bridge.current_limit_a {
+            <Fitted as Chip>::StageLines::switch_off();
+            FAULT.set(Some(PowerStageFault::Overcurrent));
+            return;
+        }
+        let control = self.control.get_or_insert_with(|| modulation.current_control());
+        let command = COMMAND.get();
+        let reading = BridgeReading { current_a, bus_v };
+        let duty = control.duty(command.torque_nm, command.speed_rad_s, &reading);
+        let [first, second] =
+            modulation.bridge_channels(duty).map(|high| (high * f32::from(period_counts) + 0.5) as u16);
+        <Fitted as Chip>::Pwm::set_high_from_any_code(first, second);
+        let measured_nm = modulation.motor.torque_constant_nm_a * current_a;
+        // No task of a higher priority takes the sum meanwhile.
+        let (sum_nm, count) = MEASURED.get();
+        MEASURED.set((sum_nm + measured_nm, count + 1));
+    }
+
+    /// A period with the bridge off.
+    fn rest(&mut self, current: u16) {
+        if self.control.take().is_some() {
+            self.decay = DECAY;
+        }
+        if self.decay > 0 {
+            self.decay -= 1;
+            self.offset.restart();
+            return;
+        }
+        self.offset.take(current.into());
+        if let Some(offset) = self.offset.reading() {
+            let is_plausible = Real::abs(offset - HALF_RANGE) <= LARGEST_OFFSET * HALF_RANGE;
+            OFFSET_IS_PLAUSIBLE.set(Some(is_plausible));
+        }
+    }
+}
