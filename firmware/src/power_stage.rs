@@ -100,14 +100,14 @@ impl Modulation {
         let BridgeLimits { supply_v, current_range_a, current_limit_a, .. } = self.bridge;
         let Motor { resistance_ohm, torque_constant_nm_a, .. } = self.motor;
         // An amplifier has a current loop of its own. Between the pulses of a coasting motor no voltage is known.
-        let has_no_voltage = match self.mode {
-            StageMode::Amplifier => true,
-            StageMode::TwoPwmCoast => self.source == TorqueSource::Current,
-            StageMode::PwmDirection | StageMode::TwoPwmBrake | StageMode::Complementary => false,
-        };
-        if has_no_voltage {
+        if matches!(self.mode, StageMode::Amplifier | StageMode::TwoPwmCoast) {
             let (value, max) = (self.source as u32 as f32, 0.0);
             return Err(ParameterError { name: "torque_source", value, max, given_by: "stage_mode" });
+        }
+        // Half-bridges that may not be high for longer than half a period have no voltage in either direction.
+        if self.largest_duty() <= 0.0 {
+            let (value, max) = (self.max, 1.0);
+            return Err(ParameterError { name: "duty_max", value, max, given_by: "stage_mode" });
         }
         if self.source == TorqueSource::Current {
             // The sensor has to show the current that switches off.
@@ -352,10 +352,10 @@ pub(crate) mod tests {
             assert_eq!(name(at_amplifier, 1.0), Err("torque_source"));
         }
         let coasting = |it: Modulation| Modulation { mode: StageMode::TwoPwmCoast, ..it };
-        assert_eq!(
-            (name(coasting(BY_VOLTAGE), 1.0), name(coasting(by_current), 1.0)),
-            (Ok(()), Err("torque_source"))
-        );
+        let both = [BY_VOLTAGE, by_current].map(|it| name(coasting(it), 1.0));
+        assert_eq!(both, [Err("torque_source"); 2]);
+        let halves = Modulation { mode: StageMode::Complementary, max: 0.3, ..by_current };
+        assert_eq!(name(halves, 1.0), Err("duty_max"));
         let bridge = BridgeLimits { current_limit_a: 48.1, ..by_current.bridge };
         assert_eq!(name(Modulation { bridge, ..by_current }, 1.0), Err("current_limit_a"));
     }

@@ -1,6 +1,6 @@
 //! The power stage: pulse-width modulation. A board has its lines to amplifier or bridge.
 
-use super::bridge_exchange::{self, BridgeCommand, COMMAND, OFFSET_IS_PLAUSIBLE, RUN};
+use super::bridge_exchange::{self, BridgeCommand, COMMAND, FAULT, OFFSET_IS_PLAUSIBLE, RUN};
 use super::parts::{CORE_HZ, Outputs, PwmTimer, StageLines};
 use crate::actuator::PowerStage;
 use crate::power_stage::{Modulation, PowerStageFault, StageMode};
@@ -64,6 +64,11 @@ impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
         self.modulation = Some(*modulation);
         let is_measured = modulation.source == TorqueSource::Current;
         self.select(modulation.mode, modulation.frequency_hz, is_measured);
+        if is_measured && OFFSET_IS_PLAUSIBLE.get() != Some(true) {
+            // The stage stays off, and the next tick finds the fault.
+            FAULT.set(Some(PowerStageFault::CurrentSensor));
+            return;
+        }
         if is_measured {
             self.set_channels(modulation.bridge_channels(0.0));
             bridge_exchange::begin(*modulation, self.period_counts);

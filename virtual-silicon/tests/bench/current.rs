@@ -125,7 +125,7 @@ fn an_offset_of_the_sensor_leaves_a_thousandth_of_the_limit() {
     }
 }
 
-/// The drive sees a motor that hardly moves: its encoder has a count for each radian. So the loop alone meets the back-EMF.
+/// The drive sees a motor that barely moves: its encoder has a count for each radian. So the loop alone meets the back-EMF.
 #[test]
 fn a_turning_motor_has_its_torque() {
     let motor = motor();
