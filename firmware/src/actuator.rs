@@ -7,7 +7,7 @@ pub trait PowerStage {
     /// Switches the outputs on, at no torque, with this modulation.
     fn enable(&mut self, modulation: &Modulation);
 
-    /// Commands a torque in N m, within [`Modulation::largest_torque_nm`], at a speed of the motor in rad/s. Never switches the
+    /// Commands a torque in N m, within the limit that [`Modulation::check`] has allowed, at a speed of the motor in rad/s. Never switches the
     /// outputs on.
     fn apply(&mut self, torque_nm: f32, speed_rad_s: f32);
 

@@ -4,17 +4,8 @@ use rigless::edge::Pulse;
 use rigless::time::VirtualNanos;
 
 use crate::chip::Chip;
+use crate::tim1::{ARR, CCR1, CLOCK_MHZ, CMS, CR1, PSC};
 use crate::wiring::TimerOutput;
-
-/// Registers of TIM1.
-const CR1: u64 = 0x4001_0000;
-const PSC: u64 = 0x4001_0028;
-const ARR: u64 = 0x4001_002c;
-const CCR1: u64 = 0x4001_0034;
-/// Alignment to the centre, in CR1.
-const CMS: u64 = 0b11 << 5;
-/// The timer's clock, MHz.
-const TIMER_MHZ: u64 = 168;
 
 /// The pulse that TIM1 repeats at an output, without its dead time; `None` for a level, and for a timer that counts up alone. A new
 /// compare value counts from its writing on: the image writes it in the half of a period before it takes effect.
@@ -26,6 +17,6 @@ pub(crate) fn centred_pulse(chip: &mut Chip, output: TimerOutput) -> Option<Puls
     let (last, cycles) = (register(ARR), register(PSC) + 1);
     let high = register(CCR1 + 4 * u64::from(output.channel - 1)).min(last);
     let width = if output.is_complementary { last - high } else { high };
-    let time = |counts: u64| VirtualNanos(2 * counts * cycles * 1_000 / TIMER_MHZ);
+    let time = |counts: u64| VirtualNanos(2 * counts * cycles * 1_000 / CLOCK_MHZ);
     (width > 0 && width < last).then(|| Pulse { width: time(width), period: time(last) })
 }

@@ -4,17 +4,8 @@
 use rigless::time::VirtualNanos;
 
 use crate::chip::Chip;
+use crate::tim1;
 
-/// Registers of TIM1, and their bits.
-const TIM1_CR1: u64 = 0x4001_0000;
-const TIM1_CR2: u64 = 0x4001_0004;
-const TIM1_CNT: u64 = 0x4001_0024;
-const TIM1_PSC: u64 = 0x4001_0028;
-const TIM1_ARR: u64 = 0x4001_002c;
-const TIM1_CCR4: u64 = 0x4001_0040;
-const CEN: u64 = 1 << 0;
-const DIR: u64 = 1 << 4;
-const CMS: u64 = 0b11 << 5;
 /// The reference of channel 4 as trigger output.
 const MMS: u64 = 0b111 << 4;
 /// Bits of ADC_CR2: a rising trigger of the injected group, TIM1 as its source, and its start by software.
@@ -23,8 +14,6 @@ const JEXTEN: u64 = 0b11 << 20;
 const JEXTSEL: u64 = 0b1111 << 16;
 const JEXTSEL_TIM1: u64 = 0b0001 << 16;
 const JSWSTART: u64 = 1 << 22;
-/// The timer's clock, MHz.
-const TIMER_MHZ: u64 = 168;
 
 /// The next trigger.
 #[derive(Debug, Default)]
@@ -60,16 +49,16 @@ impl ConverterTrigger {
 /// The next instant at which the counter reaches the compare value of channel 4 on its way up.
 fn next_rise(chip: &mut Chip, at: VirtualNanos) -> Option<VirtualNanos> {
     let mut register = |address| chip.register_at(address, at);
-    let control = register(TIM1_CR1);
-    if control & CEN == 0 || register(TIM1_CR2) & MMS != MMS {
+    let control = register(tim1::CR1);
+    if control & tim1::CEN == 0 || register(tim1::CR2) & MMS != MMS {
         return None;
     }
-    let [count, prescaler, last, compare] = [TIM1_CNT, TIM1_PSC, TIM1_ARR, TIM1_CCR4].map(register);
-    let is_centred = control & CMS != 0;
+    let [count, prescaler, last, compare] = [tim1::CNT, tim1::PSC, tim1::ARR, tim1::CCR4].map(register);
+    let is_centred = control & tim1::CMS != 0;
     let period = if is_centred { 2 * last } else { last + 1 };
-    let place = if is_centred && control & DIR != 0 { period - count } else { count };
+    let place = if is_centred && control & tim1::DIR != 0 { period - count } else { count };
     let way = (compare + period - place) % period.max(1);
     // At the place itself the trigger has just come.
     let way = if way <= 1 { way + period } else { way };
-    Some(VirtualNanos(at.0 + (way * (prescaler + 1) * 1_000).div_ceil(TIMER_MHZ)))
+    Some(VirtualNanos(at.0 + (way * (prescaler + 1) * 1_000).div_ceil(tim1::CLOCK_MHZ)))
 }

@@ -51,4 +51,5 @@ mod stm32h7;
 pub mod surroundings;
 pub mod symbols;
 pub mod thumb;
+mod tim1;
 pub mod wiring;

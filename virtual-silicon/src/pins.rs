@@ -22,6 +22,8 @@ use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
 
+/// ADON of ADC_CR2.
+const CONVERTERS_ON: u64 = 1 << 0;
 /// The output that carries the duty.
 const PWM: TimerOutput = TimerOutput { channel: 1, is_complementary: false };
 
@@ -129,6 +131,15 @@ impl<'a> Pins<'a> {
                 let millivolts = (1e3 * volts).round().clamp(0.0, SUPPLY_MV.into()) as u32;
                 self.session.board_mut().part.drive_analog(pin, millivolts);
             }
+        }
+    }
+
+    /// Powers the converters down, as a fault of theirs would. A chip may have none that TIM1 starts.
+    pub fn stop_converters(&mut self) {
+        let chip = self.session.board_mut();
+        if let Some(control) = chip.part.registers().converter_control {
+            let running = chip.register_at(control, self.at);
+            chip.write_register(control, running & !CONVERTERS_ON, self.at);
         }
     }
 

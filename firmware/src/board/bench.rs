@@ -90,7 +90,8 @@ impl Tick {
         let since_due = Duration::from_micros(self.timer.count_us().into());
         let due = self.clock.now().saturating_sub(since_due);
         let needs_sensor = drive.measures_current();
-        stage.stage_mut().expect_sensor(needs_sensor);
+        let torque_nm = bridge_exchange::take_torque_nm();
+        stage.stage_mut().expect_sensor(needs_sensor, torque_nm.is_some(), self.period);
         // Until the first offset it measures in any case.
         <Fitted as Chip>::Sensor::listen(
             needs_sensor || bridge_exchange::OFFSET_IS_PLAUSIBLE.get().is_none(),
@@ -99,7 +100,7 @@ impl Tick {
             motor: self.motor.read(),
             load: self.load.read(),
             stage_fault: stage.fault(),
-            torque_nm: bridge_exchange::take_torque_nm(),
+            torque_nm,
         };
         drive.sample(&readings, due, &self.clock);
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept

@@ -1,10 +1,15 @@
 //! The power stage: pulse-width modulation. A board has its lines to amplifier or bridge.
 
+use core::time::Duration;
+
 use super::bridge_exchange::{self, BridgeCommand, COMMAND, FAULT, OFFSET_IS_PLAUSIBLE, RUN};
 use super::parts::{CORE_HZ, Outputs, PwmTimer, StageLines};
 use crate::actuator::PowerStage;
 use crate::power_stage::{Modulation, PowerStageFault, StageMode};
 use crate::torque::TorqueSource;
+
+/// Longest time of a run by the current without a sample, unless its modulation is slow.
+const MOST_UNMEASURED: Duration = Duration::from_millis(1);
 
 /// The power stage of a board.
 pub struct PwmStage<T, S> {
@@ -15,12 +20,21 @@ pub struct PwmStage<T, S> {
     period_counts: u16,
     /// Whether the next run needs the sensor of the current.
     needs_sensor: bool,
+    /// Time of a run since the tick that last had a measurement.
+    unmeasured: Duration,
 }
 
 impl<T: PwmTimer, S: StageLines> PwmStage<T, S> {
     /// The stage with a timer that runs with its main output off.
     pub(super) fn new(timer: T, lines: S) -> Self {
-        let mut stage = Self { timer, lines, modulation: None, period_counts: 0, needs_sensor: false };
+        let mut stage = Self {
+            timer,
+            lines,
+            modulation: None,
+            period_counts: 0,
+            needs_sensor: false,
+            unmeasured: Duration::ZERO,
+        };
         if let Some(mode) = S::MODES.first() {
             stage.select(*mode, 20_000, false);
         }
@@ -41,9 +55,21 @@ impl<T: PwmTimer, S: StageLines> PwmStage<T, S> {
         self.timer.select(cycles_per_count as u16, self.period_counts, is_centred, outputs);
     }
 
-    /// Tells whether the next run needs the sensor of the current.
-    pub(super) fn expect_sensor(&mut self, needs_sensor: bool) {
+    /// Tells whether the next run needs the sensor of the current, and whether it has measured since the last tick, of this period.
+    pub(super) fn expect_sensor(&mut self, needs_sensor: bool, has_measured: bool, period: Duration) {
         self.needs_sensor = needs_sensor;
+        self.unmeasured =
+            if has_measured || self.modulation.is_none() { Duration::ZERO } else { self.unmeasured + period };
+    }
+
+    /// Whether a run by the current continues without samples: the bridge keeps its last duty, and nothing finds an overcurrent.
+    fn is_blind(&self) -> bool {
+        let by_current = |it: &&Modulation| it.source == TorqueSource::Current;
+        self.modulation.as_ref().filter(by_current).is_some_and(|modulation| {
+            // A tick may come before the first sample, and a slow modulation has ticks without one.
+            let period = Duration::from_secs(1) / modulation.frequency_hz.max(1);
+            self.unmeasured > (3 * period).max(MOST_UNMEASURED)
+        })
     }
 
     /// Sets the high times of both channels, 0 to 1.
@@ -104,10 +130,8 @@ impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
             return Some(PowerStageFault::BreakInput);
         }
         let of_lines = self.lines.fault(self.modulation.is_none());
-        let without_offset = || {
-            (self.needs_sensor && OFFSET_IS_PLAUSIBLE.get() != Some(true))
-                .then_some(PowerStageFault::CurrentSensor)
-        };
-        of_lines.or_else(bridge_exchange::take_fault).or_else(without_offset)
+        let of_loop = of_lines.or_else(bridge_exchange::take_fault);
+        let has_no_offset = self.needs_sensor && OFFSET_IS_PLAUSIBLE.get() != Some(true);
+        of_loop.or((has_no_offset || self.is_blind()).then_some(PowerStageFault::CurrentSensor))
     }
 }

@@ -1,8 +1,5 @@
 //! What a current sensor shows at no current.
 
-/// Readings in a mean: 0.1 s at 10 kHz.
-const READINGS: u32 = 1024;
-
 /// The mean of the readings while the bridge is off, and so without current.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorOffset {
@@ -12,12 +9,15 @@ pub struct SensorOffset {
 }
 
 impl SensorOffset {
+    /// Readings in a mean: 0.1 s at 10 kHz.
+    pub const READINGS: u32 = 1024;
+
     /// Takes a reading of the converter while the bridge is off, up to 20 bits.
     pub fn take(&mut self, reading: u32) {
         self.sum += reading;
         self.count += 1;
-        if self.count == READINGS {
-            *self = Self { known: Some(self.sum as f32 / READINGS as f32), ..Self::default() };
+        if self.count == Self::READINGS {
+            *self = Self { known: Some(self.sum as f32 / Self::READINGS as f32), ..Self::default() };
         }
     }
 

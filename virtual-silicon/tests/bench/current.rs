@@ -142,8 +142,7 @@ fn a_turning_motor_has_its_torque() {
 }
 
 #[test]
-fn the_report_has_no_sensor_without_its_offset_and_a_broken_one_arms_nothing() {
-    // A quarter of the range: no sensor at rest.
+fn a_sensor_that_is_off_by_a_quarter_of_its_range_arms_nothing() {
     let motor = ElectricalParameters { sense_offset_a: 25.0, ..motor() };
     let mut host = idle(&image(), motor);
     assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 6));
@@ -174,6 +173,25 @@ fn an_overcurrent_turns_the_bridge_off_within_a_period_of_the_modulation() {
     assert_eq!(current_a(&mut host), 0.0);
 }
 
+/// Without samples the bridge would keep its last duty, and no current would be too large.
+#[test]
+fn converters_that_stop_end_the_run() {
+    let motor = motor();
+    let mut host = idle(&image(), motor);
+    host.run();
+    host.steps(5, 1.0);
+    let instant = host.bench.act(|chip, _| {
+        chip.stop_converters();
+        chip.now()
+    });
+    host.steps(5, 1.0);
+    let off = host.bench.time_to_off(instant).expect("the bridge off");
+    println!("off {off:?} after the last sample");
+    assert!(off <= Duration::from_millis(3), "{off:?}");
+    let [fault] = host.faults()[..] else { panic!("one fault") };
+    assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 6));
+}
+
 /// A winding of which a fifth is left: the loop, made for the whole, holds the current below the fault's limit or switches off.
 #[test]
 fn a_shorted_winding_is_held_below_the_limit_or_ends_the_run() {
@@ -191,6 +209,9 @@ fn a_shorted_winding_is_held_below_the_limit_or_ends_the_run() {
     println!("at most {most_a:.0} A");
     // 75 A and what a period adds: 48 V at 0.1 mH.
     assert!(most_a <= 75.0 + 24.0, "{most_a} A");
+    // Nothing but the overcurrent may have ended the run.
+    let others = host.faults().into_iter().filter(|it| (it.code, it.detail) != (FaultCode::PowerStage, 4));
+    assert_eq!(others.collect::<Vec<_>>(), []);
 }
 
 #[test]
@@ -216,6 +237,10 @@ fn a_sagging_supply_winds_nothing_up() {
     let most = back.iter().fold(0.0_f64, |most, nm| most.max(*nm));
     // Until the next sample the whole voltage is there at once: 48 V for 50 us at 0.5 mH are 4.8 A.
     assert!(most <= f64::from(LIMIT_NM) + 1.2, "{most} N m");
+    // What the limit left in the integral decays with L/R, 1 ms.
     assert!((back[39] - f64::from(LIMIT_NM)).abs() < 0.2, "{back:.3?}");
+    host.steps(4, 1.0);
+    let late_nm = motor.torque_constant_nm_a * current_a(&mut host);
+    assert!((late_nm - f64::from(LIMIT_NM)).abs() < 0.02, "{late_nm} N m");
     assert_eq!(host.faults(), []);
 }

@@ -11,7 +11,7 @@ use crate::bench::{OF_EACH_FAMILY, image_of};
 use crate::failures::{failing, masking_interrupts, place};
 use crate::host::{Host, SESSION};
 
-/// A byte with other bits than it was sent with is none: among delimiters it would be a damaged frame.
+/// The port drops a byte that arrived with other bits than it was sent with: among delimiters it would be a damaged frame.
 #[test]
 fn bytes_with_an_error_are_counted_and_not_taken() {
     for board in OF_EACH_FAMILY {

@@ -1,5 +1,6 @@
 //! The plant behind the pins of a drive that has no hardware there: its model, its encoders and its amplifier.
 
+use lashloop_firmware::drive::PinParameters;
 use lashloop_plant::Plant;
 use serde::Serialize;
 
@@ -7,9 +8,6 @@ use super::error::DeviceError;
 use crate::scenario::Scenario;
 use crate::scenario::controller::ParameterValue;
 use crate::timing::ClockName;
-
-/// Voltage of the bus at the end of the drive's converter, unless the scenario sets it: the default of the drive.
-const BUS_RANGE_V: f64 = 60.0;
 
 /// The plant behind the pins. It starts at the initial state of the scenario, and the encoders read 0 there.
 #[derive(Debug, Clone)]
@@ -70,7 +68,7 @@ impl PinPlant {
             },
             bus_range_v: match self.parameter("supply_range_v") {
                 Some(ParameterValue::Number(volts)) => *volts,
-                _ => BUS_RANGE_V,
+                _ => PinParameters::default().supply_range_v.into(),
             },
             seed: run.seed,
         });

@@ -1,7 +1,9 @@
 //! `[plant.electrical]`: a motor on a bridge between the torque that the drive commands and the plant.
 
 use lashloop_firmware::torque::{BridgeReading, Motor, SensorOffset, TorqueControl, TorqueSource};
-use lashloop_plant::electrical::{ElectricalParameters, ElectricalPlant, StageControl, StageReading, keys};
+use lashloop_plant::electrical::{
+    ElectricalParameters, ElectricalPlant, REST_READINGS, StageControl, StageReading, keys,
+};
 use lashloop_plant::{Plant, PlantError, PlantValues};
 use serde::{Serialize, Serializer};
 
@@ -14,6 +16,9 @@ use super::reader::Section;
 const SENSOR_STREAM: u64 = 0xc2b2_ae3d_27d4_eb4f;
 /// Steps of the drive's converter to the end of the sensor's range, in one direction.
 const CONVERTER_STEPS: f64 = 32_768.0;
+
+const _: () =
+    assert!(REST_READINGS >= SensorOffset::READINGS as usize, "the drive knows its offset at the first step");
 
 /// The motor's circuit, and what of the drive is between a torque and its voltage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
