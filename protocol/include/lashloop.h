@@ -80,7 +80,13 @@ enum lashloop_fault_code {
     LASHLOOP_FAULT_CODE_MOTOR_ENCODER_LOST = 10,
     LASHLOOP_FAULT_CODE_LOAD_ENCODER_LOST = 11,
     LASHLOOP_FAULT_CODE_TICK_OVERRUN = 12,
-    LASHLOOP_FAULT_CODE_MOTOR_AGAINST_TORQUE = 13
+    LASHLOOP_FAULT_CODE_MOTOR_AGAINST_TORQUE = 13,
+    LASHLOOP_FAULT_CODE_MOTOR_TRAVEL = 14,
+    LASHLOOP_FAULT_CODE_LOAD_TRAVEL = 15,
+    LASHLOOP_FAULT_CODE_STALL = 16,
+    LASHLOOP_FAULT_CODE_OVERLOAD = 17,
+    LASHLOOP_FAULT_CODE_TORQUE_MISSING = 18,
+    LASHLOOP_FAULT_CODE_INPUT = 19
 };
 
 enum lashloop_outcome {
@@ -96,7 +102,9 @@ enum lashloop_outcome {
     LASHLOOP_OUTCOME_POWER_STAGE_FAULT = 10,
     LASHLOOP_OUTCOME_ENCODER_IMPLAUSIBLE = 11,
     LASHLOOP_OUTCOME_UNKNOWN_REQUEST = 12,
-    LASHLOOP_OUTCOME_SIGNAL_OF_OTHER_LAW = 13
+    LASHLOOP_OUTCOME_SIGNAL_OF_OTHER_LAW = 13,
+    LASHLOOP_OUTCOME_STORE_FAILED = 14,
+    LASHLOOP_OUTCOME_NOT_CAPTURED = 15
 };
 
 enum lashloop_log_level {
@@ -111,6 +119,18 @@ enum lashloop_parameter_type {
     LASHLOOP_PARAMETER_TYPE_F32 = 2
 };
 
+enum lashloop_zero_source {
+    LASHLOOP_ZERO_SOURCE_PRESENT = 1,
+    LASHLOOP_ZERO_SOURCE_HOME = 2
+};
+
+enum lashloop_capture_trigger {
+    LASHLOOP_CAPTURE_TRIGGER_NOW = 1,
+    LASHLOOP_CAPTURE_TRIGGER_RISING = 2,
+    LASHLOOP_CAPTURE_TRIGGER_FALLING = 3,
+    LASHLOOP_CAPTURE_TRIGGER_FAULT = 4
+};
+
 #define LASHLOOP_TORQUE_FLAGS_SATURATED 0x10
 #define LASHLOOP_TORQUE_FLAGS_REPEATED 0x20
 #define LASHLOOP_TORQUE_FLAGS_GAP 0x40
@@ -121,6 +141,8 @@ enum lashloop_parameter_type {
 #define LASHLOOP_CAPABILITIES_DEVICE_TIME 0x1
 #define LASHLOOP_CAPABILITIES_BENCH_MODE 0x2
 #define LASHLOOP_CAPABILITIES_LOADER 0x4
+#define LASHLOOP_CAPABILITIES_STORE 0x8
+#define LASHLOOP_CAPABILITIES_CAPTURE 0x10
 
 /* Hello: Opens a session. A new session number makes the drive disarm and enter Idle; the number of the open session changes nothing and requests the identity only. Same layout in every protocol version. */
 #define LASHLOOP_HELLO_KIND 0x01
@@ -273,6 +295,60 @@ enum lashloop_parameter_type {
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_OFFSET 3
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_LEN 4
 
+/* StoreParameters: Stores the parameters in force: they become the defaults, those after Reset and after power-up. A loss of power at any instant leaves the set before or the new one. */
+#define LASHLOOP_STORE_PARAMETERS_KIND 0x20
+#define LASHLOOP_STORE_PARAMETERS_BODY_LEN 2
+#define LASHLOOP_STORE_PARAMETERS_FRAME_LEN 8
+
+/* RecallParameters: Sets every parameter to its default. */
+#define LASHLOOP_RECALL_PARAMETERS_KIND 0x21
+#define LASHLOOP_RECALL_PARAMETERS_BODY_LEN 2
+#define LASHLOOP_RECALL_PARAMETERS_FRAME_LEN 8
+
+/* ForgetParameters: Forgets the stored parameters and sets every parameter to the default of the firmware. */
+#define LASHLOOP_FORGET_PARAMETERS_KIND 0x22
+#define LASHLOOP_FORGET_PARAMETERS_BODY_LEN 2
+#define LASHLOOP_FORGET_PARAMETERS_FRAME_LEN 8
+
+/* SetZero: Makes a position of motor and load the zero of both encoders. */
+#define LASHLOOP_SET_ZERO_KIND 0x23
+#define LASHLOOP_SET_ZERO_BODY_LEN 3
+#define LASHLOOP_SET_ZERO_FRAME_LEN 9
+/* 1 byte of enum lashloop_zero_source: Which position. */
+#define LASHLOOP_SET_ZERO_SOURCE_OFFSET 2
+#define LASHLOOP_SET_ZERO_SOURCE_LEN 1
+
+/* Capture: Records signals around an event, to be read with ReadCapture. Replaces the capture before it. */
+#define LASHLOOP_CAPTURE_KIND 0x24
+#define LASHLOOP_CAPTURE_BODY_LEN 16
+#define LASHLOOP_CAPTURE_FRAME_LEN 22
+/* uint32_t: Signals: bit n stands for the signal with index n. One to four; none ends the capture. */
+#define LASHLOOP_CAPTURE_SIGNALS_OFFSET 2
+#define LASHLOOP_CAPTURE_SIGNALS_LEN 4
+/* uint16_t: Steps from one row to the next, 1 or more. */
+#define LASHLOOP_CAPTURE_EVERY_OFFSET 6
+#define LASHLOOP_CAPTURE_EVERY_LEN 2
+/* uint16_t: Rows before the event. */
+#define LASHLOOP_CAPTURE_BEFORE_OFFSET 8
+#define LASHLOOP_CAPTURE_BEFORE_LEN 2
+/* 1 byte of enum lashloop_capture_trigger: The event. */
+#define LASHLOOP_CAPTURE_TRIGGER_OFFSET 10
+#define LASHLOOP_CAPTURE_TRIGGER_LEN 1
+/* uint8_t: Index of the signal whose value is the event, among the captured ones. */
+#define LASHLOOP_CAPTURE_TRIGGER_SIGNAL_OFFSET 11
+#define LASHLOOP_CAPTURE_TRIGGER_SIGNAL_LEN 1
+/* float, IEEE 754 binary32: Value of the signal at the event, in its unit. */
+#define LASHLOOP_CAPTURE_LEVEL_OFFSET 12
+#define LASHLOOP_CAPTURE_LEVEL_LEN 4
+
+/* ReadCapture: Requests rows of the last capture. */
+#define LASHLOOP_READ_CAPTURE_KIND 0x25
+#define LASHLOOP_READ_CAPTURE_BODY_LEN 4
+#define LASHLOOP_READ_CAPTURE_FRAME_LEN 10
+/* uint16_t: Number of the first row, from 0. */
+#define LASHLOOP_READ_CAPTURE_FIRST_OFFSET 2
+#define LASHLOOP_READ_CAPTURE_FIRST_LEN 2
+
 /* X(name, kind, shortest body length, body length, element length) for every message that this side sends.
  * If the element length is 0, a body has the shortest length or more. Else the last field repeats: a body has at least
  * one element, and at most the body length. */
@@ -293,7 +369,13 @@ enum lashloop_parameter_type {
     X(SUBSCRIBE, 0x0e, 8, 8, 0) \
     X(ENTER_LOADER, 0x0f, 6, 6, 0) \
     X(ENCODER_SAMPLE, 0x10, 13, 13, 0) \
-    X(REFERENCE, 0x11, 7, 7, 0)
+    X(REFERENCE, 0x11, 7, 7, 0) \
+    X(STORE_PARAMETERS, 0x20, 2, 2, 0) \
+    X(RECALL_PARAMETERS, 0x21, 2, 2, 0) \
+    X(FORGET_PARAMETERS, 0x22, 2, 2, 0) \
+    X(SET_ZERO, 0x23, 3, 3, 0) \
+    X(CAPTURE, 0x24, 16, 16, 0) \
+    X(READ_CAPTURE, 0x25, 4, 4, 0)
 
 /* Identity: Identity of the drive. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81
@@ -486,6 +568,21 @@ enum lashloop_parameter_type {
 #define LASHLOOP_CHOICE_DESCRIPTION_NAME_OFFSET 4
 #define LASHLOOP_CHOICE_DESCRIPTION_NAME_LEN 28
 
+/* CaptureRows: Rows of the last capture. */
+#define LASHLOOP_CAPTURE_ROWS_KIND 0x89
+#define LASHLOOP_CAPTURE_ROWS_BODY_LEN 58 /* of the longest */
+#define LASHLOOP_CAPTURE_ROWS_FRAME_LEN 64 /* of the longest */
+#define LASHLOOP_CAPTURE_ROWS_SHORTEST_BODY_LEN 10
+/* uint16_t: Number of the first row in this message. */
+#define LASHLOOP_CAPTURE_ROWS_FIRST_OFFSET 2
+#define LASHLOOP_CAPTURE_ROWS_FIRST_LEN 2
+/* uint16_t: Number of the row of the event. */
+#define LASHLOOP_CAPTURE_ROWS_EVENT_OFFSET 4
+#define LASHLOOP_CAPTURE_ROWS_EVENT_LEN 2
+/* 1 or more floats, IEEE 754 binary32, up to the end of the body: Rows one after the other, each with the values of the captured signals in ascending order of their indices. */
+#define LASHLOOP_CAPTURE_ROWS_VALUES_OFFSET 6
+#define LASHLOOP_CAPTURE_ROWS_VALUES_ELEMENT_LEN 4
+
 /* TorqueAnswer: The torque for one sample. */
 #define LASHLOOP_TORQUE_ANSWER_KIND 0x90
 #define LASHLOOP_TORQUE_ANSWER_BODY_LEN 10
@@ -595,6 +692,7 @@ enum lashloop_parameter_type {
     X(LAW_DESCRIPTION, 0x86, 31, 31, 0) \
     X(SIGNAL_DESCRIPTION, 0x87, 47, 47, 0) \
     X(CHOICE_DESCRIPTION, 0x88, 32, 32, 0) \
+    X(CAPTURE_ROWS, 0x89, 10, 58, 4) \
     X(TORQUE_ANSWER, 0x90, 10, 10, 0) \
     X(TELEMETRY, 0x91, 7, 55, 4) \
     X(FAULT_REPORT, 0x92, 16, 20, 0) \

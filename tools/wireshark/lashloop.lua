@@ -67,6 +67,12 @@ local FAULT_CODE = {
     [11] = "LoadEncoderLost",
     [12] = "TickOverrun",
     [13] = "MotorAgainstTorque",
+    [14] = "MotorTravel",
+    [15] = "LoadTravel",
+    [16] = "Stall",
+    [17] = "Overload",
+    [18] = "TorqueMissing",
+    [19] = "Input",
 }
 local OUTCOME = {
     [1] = "Accepted",
@@ -82,6 +88,8 @@ local OUTCOME = {
     [11] = "EncoderImplausible",
     [12] = "UnknownRequest",
     [13] = "SignalOfOtherLaw",
+    [14] = "StoreFailed",
+    [15] = "NotCaptured",
 }
 local LOG_LEVEL = {
     [1] = "Debug",
@@ -92,6 +100,16 @@ local LOG_LEVEL = {
 local PARAMETER_TYPE = {
     [1] = "U32",
     [2] = "F32",
+}
+local ZERO_SOURCE = {
+    [1] = "Present",
+    [2] = "Home",
+}
+local CAPTURE_TRIGGER = {
+    [1] = "Now",
+    [2] = "Rising",
+    [3] = "Falling",
+    [4] = "Fault",
 }
 local TORQUE_FLAGS = {
     [16] = "SATURATED",
@@ -106,6 +124,8 @@ local CAPABILITIES = {
     [1] = "DEVICE_TIME",
     [2] = "BENCH_MODE",
     [4] = "LOADER",
+    [8] = "STORE",
+    [16] = "CAPTURE",
 }
 
 -- Units by the suffix of a field's name; the first match applies
@@ -172,6 +192,23 @@ local MESSAGES = {
         { "number", u16 },
         { "reference_rad", f32 },
     } },
+    [0x20] = { "StoreParameters", {} },
+    [0x21] = { "RecallParameters", {} },
+    [0x22] = { "ForgetParameters", {} },
+    [0x23] = { "SetZero", {
+        { "source", enum(ZERO_SOURCE) },
+    } },
+    [0x24] = { "Capture", {
+        { "signals", u32 },
+        { "every", u16 },
+        { "before", u16 },
+        { "trigger", enum(CAPTURE_TRIGGER) },
+        { "trigger_signal", u8 },
+        { "level", f32 },
+    } },
+    [0x25] = { "ReadCapture", {
+        { "first", u16 },
+    } },
     [0x81] = { "Identity", {
         { "protocol_version", u8 },
         { "minor_version", u8 },
@@ -236,6 +273,11 @@ local MESSAGES = {
         { "parameter", u8 },
         { "choice", u8 },
         { "name", text(28) },
+    } },
+    [0x89] = { "CaptureRows", {
+        { "first", u16 },
+        { "event", u16 },
+        { "values", f32_repeated },
     } },
     [0x90] = { "TorqueAnswer", {
         { "sequence", u16 },

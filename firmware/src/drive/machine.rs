@@ -7,7 +7,7 @@ use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Counters, Decoder, DriveMessage, FrameError, HostMessage, Numbered, PROTOCOL_VERSION,
+    Counters, Decoder, DriveMessage, FrameError, HostMessage, Message, Numbered, PROTOCOL_VERSION,
 };
 
 use super::clock::Clock;
@@ -214,6 +214,12 @@ impl<L: LawSet> Drive<L> {
                 let result = self.enter_loader(request.session, arrived);
                 (message::EnterLoader::LAYOUT.kind, result.map_err(Refusal::from))
             }
+            HostMessage::StoreParameters(_)
+            | HostMessage::RecallParameters(_)
+            | HostMessage::ForgetParameters(_)
+            | HostMessage::SetZero(_)
+            | HostMessage::Capture(_)
+            | HostMessage::ReadCapture(_) => (message.layout().kind, Err(Outcome::UnknownRequest.into())),
             HostMessage::Stop(_) => {
                 self.output.send(self.line_counts.report(self.decoder.counters()));
                 (message::Stop::LAYOUT.kind, self.lifecycle.stop().map_err(Refusal::from))

@@ -10,6 +10,10 @@ bitflags::bitflags! {
         const BENCH_MODE = 0x02;
         /// `EnterLoader` starts a boot loader.
         const LOADER = 0x04;
+        /// The drive stores its parameters.
+        const STORE = 0x08;
+        /// The drive captures signals.
+        const CAPTURE = 0x10;
     }
 }
 

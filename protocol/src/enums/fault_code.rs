@@ -21,7 +21,7 @@ wire_list! {
         /// its number.
         ProcessorFault = 8,
         /// Bench mode: the power stage reported a fault. `detail` is 1 for the break input, 2 for the fault line, 3 for a missing
-        /// supply, 4 for overcurrent, 5 for overtemperature.
+        /// supply, 4 for overcurrent, 5 for overtemperature, 6 for the current sensor, 7 for overvoltage.
         PowerStage = 9,
         /// Bench mode: the motor encoder stands still while the load moves, `value` and `limit` in rad; or its channels changed
         /// at once, `detail` is the number of times.
@@ -34,5 +34,19 @@ wire_list! {
         /// Bench mode: the motor ran away from its torque. `value` and `limit` in rad; `detail` is 1 if the load turned with the
         /// motor, 2 if it turned against it, otherwise 0.
         MotorAgainstTorque = 13,
+        /// Bench mode: the motor left its travel. `value` and `limit` in rad.
+        MotorTravel = 14,
+        /// Bench mode: the load left its travel. `value` and `limit` in rad.
+        LoadTravel = 15,
+        /// Bench mode: the torque was at its limit and nothing moved. `value` and `limit` in seconds.
+        Stall = 16,
+        /// Bench mode: the mean of the squared torque or current was too large. `value` and `limit` in N m, `detail` is 1 for the
+        /// motor; in A, 2 for the stage.
+        Overload = 17,
+        /// Bench mode: the measured torque stayed below half the command. `value` and `limit` in seconds.
+        TorqueMissing = 18,
+        /// Bench mode: an input of the drive ended the run. `detail` is 1 for enable, 2 or 3 for the negative or the positive limit
+        /// switch.
+        Input = 19,
     }
 }

@@ -11,7 +11,7 @@ wire_list! {
         WrongSession = 3,
         /// Host and drive have different protocol versions.
         VersionMismatch = 4,
-        /// No parameter, law, signal or choice has this index.
+        /// No parameter, law, signal, choice or captured row has this index; for a row `detail` is the number of rows.
         UnknownIndex = 5,
         /// The type of the value is not the type of the parameter.
         WrongType = 6,
@@ -31,5 +31,10 @@ wire_list! {
         UnknownRequest = 12,
         /// The law in force lacks a subscribed signal. `detail` is the index of the signal.
         SignalOfOtherLaw = 13,
+        /// The drive could not store or forget the parameters. `detail` is 1 if its memory refuses to be written, 2 if it is full
+        /// until the next power-up.
+        StoreFailed = 14,
+        /// There is no complete capture. `detail` is 0 without one, 1 before its event, 2 after it.
+        NotCaptured = 15,
     }
 }

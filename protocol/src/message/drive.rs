@@ -10,6 +10,7 @@
 //! | `0x86` | [`LawDescription`] | 37 | answers `DescribeLaw` |
 //! | `0x87` | [`SignalDescription`] | 53 | answers `DescribeSignal` |
 //! | `0x88` | [`ChoiceDescription`] | 38 | answers `DescribeChoice` |
+//! | `0x89` | [`CaptureRows`] | 16 to 64 | answers `ReadCapture` |
 //! | `0x90` | [`TorqueAnswer`] | 16 | answers `EncoderSample`, before any other message that the sample causes |
 //! | `0x91` | [`Telemetry`] | 13 to 61 | after every n-th torque while running, if the host subscribed |
 //! | `0x92` | [`FaultReport`] | 22 to 26 | when the drive latches a fault, and after an `Identity` while a fault is latched |
@@ -159,6 +160,16 @@ messages! {
         name: ChoiceName,
     }
 
+    /// Rows of the last capture.
+    0x89 CaptureRows {
+        /// Number of the first row in this message.
+        first: u16,
+        /// Number of the row of the event.
+        event: u16,
+        /// Rows one after the other, each with the values of the captured signals in ascending order of their indices.
+        values: TelemetryValues,
+    }
+
     /// The torque for one sample.
     0x90 TorqueAnswer {
         /// Sequence of the sample that this message answers.
@@ -240,6 +251,7 @@ impl DriveMessage {
             | Self::LawDescription(_)
             | Self::SignalDescription(_)
             | Self::ChoiceDescription(_)
+            | Self::CaptureRows(_)
             | Self::TorqueAnswer(_)
             | Self::Telemetry(_)
             | Self::BenchSample(_) => None,

@@ -19,9 +19,15 @@
 //! | `0x0f` | [`EnterLoader`] | 12 | in `Idle`, to write another firmware |
 //! | `0x10` | [`EncoderSample`] | 19 | once in a control period of HIL mode |
 //! | `0x11` | [`Reference`] | 13 | once in a control period of bench mode |
+//! | `0x20` | [`StoreParameters`] | 8 | in `Idle` |
+//! | `0x21` | [`RecallParameters`] | 8 | in `Idle` |
+//! | `0x22` | [`ForgetParameters`] | 8 | in `Idle` |
+//! | `0x23` | [`SetZero`] | 9 | in `Idle` |
+//! | `0x24` | [`Capture`] | 22 | in `Idle`, `Armed` and `Running` |
+//! | `0x25` | [`ReadCapture`] | 10 | any time |
 
 use crate::counts::EncoderCounts;
-use crate::enums::ParameterValue;
+use crate::enums::{CaptureTrigger, ParameterValue, ZeroSource};
 use crate::limits::{MINOR_VERSION, PROTOCOL_VERSION};
 
 messages! {
@@ -135,6 +141,44 @@ messages! {
         number: u16,
         /// Reference position of the load, in rad.
         reference_rad: f32,
+    }
+
+    /// Stores the parameters in force: they become the defaults, those after `Reset` and after power-up. A loss of power at any
+    /// instant leaves the set before or the new one.
+    0x20 StoreParameters {}
+
+    /// Sets every parameter to its default.
+    0x21 RecallParameters {}
+
+    /// Forgets the stored parameters and sets every parameter to the default of the firmware.
+    0x22 ForgetParameters {}
+
+    /// Makes a position of motor and load the zero of both encoders.
+    0x23 SetZero {
+        /// Which position.
+        source: ZeroSource,
+    }
+
+    /// Records signals around an event, to be read with `ReadCapture`. Replaces the capture before it.
+    0x24 Capture {
+        /// Signals: bit `n` stands for the signal with index `n`. One to four; none ends the capture.
+        signals: u32,
+        /// Steps from one row to the next, 1 or more.
+        every: u16,
+        /// Rows before the event.
+        before: u16,
+        /// The event.
+        trigger: CaptureTrigger,
+        /// Index of the signal whose value is the event, among the captured ones.
+        trigger_signal: u8,
+        /// Value of the signal at the event, in its unit.
+        level: f32,
+    }
+
+    /// Requests rows of the last capture.
+    0x25 ReadCapture {
+        /// Number of the first row, from 0.
+        first: u16,
     }
 }
 

@@ -1,14 +1,15 @@
 //! One message of each kind, with values that show the byte order and contain zeros.
 
 use lashloop_protocol::enums::{
-    Capabilities, FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags,
-    TorqueStatus, Version,
+    Capabilities, CaptureTrigger, FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State,
+    TorqueFlags, TorqueStatus, Version, ZeroSource,
 };
 use lashloop_protocol::message::{
-    Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw,
-    DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, EnterLoader, FaultReport, GetParameter,
-    Hello, Identity, LawDescription, LineReport, Log, ParameterDescription, ParameterReport, Reference,
-    Reset, SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
+    Arm, BenchSample, Capture, CaptureRows, ChoiceDescription, ClearFault, CommandResult, DescribeChoice,
+    DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, EnterLoader, FaultReport,
+    ForgetParameters, GetParameter, Hello, Identity, LawDescription, LineReport, Log, ParameterDescription,
+    ParameterReport, ReadCapture, RecallParameters, Reference, Reset, SetParameter, SetZero,
+    SignalDescription, Start, Stop, StoreParameters, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{
@@ -62,6 +63,20 @@ pub fn from_host() -> Vec<HostMessage> {
         EnterLoader { session: SESSION }.into(),
         SAMPLE.into(),
         Reference { number: 513, reference_rad: -0.25 }.into(),
+        StoreParameters {}.into(),
+        RecallParameters {}.into(),
+        ForgetParameters {}.into(),
+        SetZero { source: ZeroSource::Home }.into(),
+        Capture {
+            signals: 0b1_0110,
+            every: 2,
+            before: 64,
+            trigger: CaptureTrigger::Rising,
+            trigger_signal: 2,
+            level: 0.125,
+        }
+        .into(),
+        ReadCapture { first: 258 }.into(),
     ]
 }
 
@@ -125,6 +140,7 @@ pub fn from_drive() -> Vec<DriveMessage> {
         }
         .into(),
         ChoiceDescription { parameter: 20, choice: 1, name: Text::new("observed") }.into(),
+        CaptureRows { first: 258, event: 64, values: telemetry_values() }.into(),
         TORQUE.into(),
         Telemetry { sequence: 258, values: telemetry_values() }.into(),
         FaultReport {

@@ -162,7 +162,7 @@ fn a_value_that_a_newer_peer_added_is_kept_as_received() {
         let body = [0x85, 7, 6, byte, 4, 0, 0, 0, 0];
         let Ok(DriveMessage::CommandResult(result)) = message_of(&body) else { panic!("{byte} is rejected") };
         assert_eq!(result.outcome.byte(), byte);
-        assert_eq!(result.outcome.is_named(), byte <= 13);
+        assert_eq!(result.outcome.is_named(), byte <= 15);
         assert_eq!(DriveMessage::from(result).numbered_frame(7)[..], Frame::around(&body)[..]);
     }
     assert_eq!(FaultCode::from_byte(77).map(|code| code.to_string()).as_deref(), Some("unknown 77"));
