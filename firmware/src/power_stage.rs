@@ -24,6 +24,10 @@ pub enum PowerStageFault {
     Overtemperature = 5,
     /// The sensor of the current doesn't show the middle of its range while the bridge is off.
     CurrentSensor = 6,
+    /// The voltage of the bus is too high.
+    Overvoltage = 7,
+    /// The contact of the enable input isn't active.
+    NotEnabled = 8,
 }
 
 /// From a torque to the duties of both channels.

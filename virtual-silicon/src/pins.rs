@@ -20,7 +20,7 @@ use crate::inputs::{self, Inputs, is_configured, is_connected};
 use crate::part::{Driven, SUPPLY_MV};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
-use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
+use crate::wiring::{ContactPins, Encoder, Pin, TimerOutput, Wiring};
 
 /// ADON of ADC_CR2.
 const CONVERTERS_ON: u64 = 1 << 0;
@@ -121,6 +121,17 @@ impl<'a> Pins<'a> {
         if let Some(pin) = self.wiring.bridge.break_input {
             self.drive_pin(pin, is_high);
         }
+    }
+
+    /// Pins of the contacts.
+    #[must_use]
+    pub fn contacts(&self) -> &ContactPins {
+        &self.wiring.contacts
+    }
+
+    /// Closes a contact of [`Wiring::contacts`], or opens it.
+    pub fn close_contact(&mut self, pin: Pin, does: bool) {
+        self.drive_pin(pin, does.then_some(false));
     }
 
     /// Puts voltages on the pins of the current sensor and of the divided bus. A board may have neither.

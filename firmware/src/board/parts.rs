@@ -1,5 +1,6 @@
 //! The parts of a chip that the drive uses, each a trait, and what all of them share.
 
+use crate::contact::Contacts;
 use crate::input_filter::FILTERS;
 use crate::power_stage::{PowerStageFault, StageMode};
 
@@ -86,6 +87,12 @@ pub trait EncoderInput: Send + 'static {
 
     /// Levels of channels A and B at the pins.
     fn levels(&self) -> (bool, bool);
+}
+
+/// Inputs with pull-ups, each to be closed to ground: enable, both limit switches, home switch.
+pub trait ContactInputs: Send + 'static {
+    /// The contacts that are closed.
+    fn closed(&self) -> Contacts;
 }
 
 /// Converters of a bridge's current and of the voltage of its bus, which the timer of the modulation starts in the middle of each

@@ -217,9 +217,9 @@ impl<L: LawSet> Drive<L> {
             HostMessage::StoreParameters(_)
             | HostMessage::RecallParameters(_)
             | HostMessage::ForgetParameters(_)
-            | HostMessage::SetZero(_)
             | HostMessage::Capture(_)
             | HostMessage::ReadCapture(_) => (message.layout().kind, Err(Outcome::UnknownRequest.into())),
+            HostMessage::SetZero(request) => (message::SetZero::LAYOUT.kind, self.set_zero(request.source)),
             HostMessage::Stop(_) => {
                 self.output.send(self.line_counts.report(self.decoder.counters()));
                 (message::Stop::LAYOUT.kind, self.lifecycle.stop().map_err(Refusal::from))

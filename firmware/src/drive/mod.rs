@@ -25,6 +25,8 @@
 //! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
 //! | `pin_run`, `pins` | a run on the pins; what they must show before |
+//! | `guard` | what ends a run on the pins without a host |
+//! | `zero` | the zero of both encoders |
 //! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
@@ -43,6 +45,7 @@ mod bench_sample;
 mod clock;
 mod control_loop;
 mod descriptions;
+mod guard;
 mod identity;
 mod lifecycle;
 mod line_counts;
@@ -62,6 +65,7 @@ mod safety;
 mod subscription;
 mod torque_answer;
 mod watchdog;
+mod zero;
 
 pub use clock::{Clock, ManualClock};
 pub use identity::{BUILD_ID, BUILD_IS_DIRTY, FIRMWARE_VERSION};
