@@ -65,6 +65,10 @@ crate::parameters! {
         supply_range_v: F32 = 60.0 in 1.0..=1e3, "V";
         /// Largest current of the motor, by command. Beyond 1.5 of it the drive switches the bridge off.
         current_limit_a: F32 = 5.0 in 0.01..=1e4, "A";
+        /// Smallest voltage of the bus. Below it, or below a fifth of `supply_v`, the drive switches the bridge off.
+        supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
+        /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.
+        supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
     }
 }
 
@@ -89,6 +93,8 @@ impl PinParameters {
                 current_direction: self.current_direction,
                 supply_range_v: self.supply_range_v,
                 current_limit_a: self.current_limit_a,
+                supply_min_v: self.supply_min_v,
+                supply_max_v: self.supply_max_v,
             },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,
