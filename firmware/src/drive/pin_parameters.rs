@@ -96,6 +96,10 @@ crate::parameters! {
         positive_limit_input: Contact = Unused;
         /// Contact at the zero of both encoders.
         home_input: Contact = Unused;
+        /// Smallest voltage of the bus. Below it, or below a fifth of `supply_v`, the drive switches the bridge off.
+        supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
+        /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.
+        supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
     }
 }
 
@@ -126,6 +130,8 @@ impl PinParameters {
                 current_direction: self.current_direction,
                 supply_range_v: self.supply_range_v,
                 current_limit_a: self.current_limit_a,
+                supply_min_v: self.supply_min_v,
+                supply_max_v: self.supply_max_v,
             },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,

@@ -6,6 +6,8 @@ use lashloop_plant::electrical::{ElectricalParameters, ReverseCurrent};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
 use lashloop_silicon::motor_at_bridge::{BridgeInputs, MotorAtBridge};
 use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::thumb::WAIT_FOR_INTERRUPT;
+use lashloop_silicon::wiring::Encoder;
 
 use crate::bench::{Bench, image, image_of};
 use crate::host::Host;
@@ -46,12 +48,17 @@ fn settings(motor: &ElectricalParameters) -> Vec<(&'static str, ParameterValue)>
     settings
 }
 
-/// A drive with this motor at its bridge and a shaft that stands still.
-fn idle(image: &Symbols, motor: ElectricalParameters) -> Host {
+/// A drive with this motor at its bridge and a shaft that stands still, 20 ms after power-up.
+fn powered_up(image: &Symbols, motor: ElectricalParameters) -> Host {
     let at_bridge = MotorAtBridge::new(motor, BridgeInputs::Halves, BUS_RANGE_V.into(), 1);
     let speeds = Speeds::default();
     let train = turntable::drive_train(&speeds, (0, 0)).behind_motor(at_bridge);
-    let mut host = Host::of(Bench::with_turntable(image, train, speeds));
+    Host::of(Bench::with_turntable(image, train, speeds))
+}
+
+/// The same drive, which knows its motor and its sensor.
+fn idle(image: &Symbols, motor: ElectricalParameters) -> Host {
+    let mut host = powered_up(image, motor);
     host.set_all(&settings(&motor));
     // The offset of the sensor.
     host.bench.advance(Duration::from_millis(80));
@@ -61,6 +68,33 @@ fn idle(image: &Symbols, motor: ElectricalParameters) -> Host {
 /// Current of the motor, A.
 fn current_a(host: &mut Host) -> f64 {
     host.bench.act(|_, site| site.train.motor_at_bridge().expect("a motor").circuit().current_a())
+}
+
+/// Changes motor and supply.
+fn change(host: &mut Host, change: impl FnOnce(&mut ElectricalParameters) + Send + 'static) {
+    host.bench.act(|_, site| {
+        change(site.train.motor_at_bridge().expect("a motor").circuit().parameters_mut());
+    });
+}
+
+/// Voltage of the bus, V.
+fn bus_v(host: &mut Host) -> f64 {
+    host.bench.act(|_, site| site.train.motor_at_bridge().expect("a motor").circuit().bus_v())
+}
+
+/// The only fault, of the power stage: its detail.
+fn stage_fault(host: &mut Host) -> u32 {
+    let faults = host.faults();
+    let [fault] = faults[..] else { panic!("one fault, not {faults:?}") };
+    assert_eq!(fault.code, FaultCode::PowerStage);
+    fault.detail
+}
+
+/// The bridge off, at most this time after an instant, and at no later current than a decay.
+fn off_within(host: &mut Host, instant: Duration, limit: Duration) -> Duration {
+    let off = host.bench.time_to_off(instant).expect("the bridge off");
+    assert!(off <= limit, "{off:?}");
+    off
 }
 
 /// Torques in N m, every 25 us for this time, from a tick on.
@@ -148,29 +182,212 @@ fn a_sensor_that_is_off_by_a_quarter_of_its_range_arms_nothing() {
     assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 6));
 }
 
-/// A sensor that is wired the wrong way round: the loop drives the current up.
+/// A shaft that is turned faster than the whole voltage could hold.
 #[test]
 fn an_overcurrent_turns_the_bridge_off_within_a_period_of_the_modulation() {
     let motor = motor();
     let mut host = idle(&image(), motor);
-    assert_eq!(host.set("current_direction", ParameterValue::U32(1)), Outcome::Accepted);
     host.run();
+    host.steps(5, 1.0);
+    // 240 V against 48.
+    host.bench.turn(-1e3, 0.0);
     host.refer(1.0);
-    let instant = (0..6_000).find_map(|_| {
+    let instant = (0..2_000).find_map(|_| {
         host.bench.advance(Duration::from_micros(1));
         // The motor is followed twice in a period.
         (current_a(&mut host).abs() > 75.0).then(|| host.bench.now() - Duration::from_micros(26))
     });
     let instant = instant.expect("1.5 times the largest current");
     host.steps(2, 1.0);
-    let off = host.bench.time_to_off(instant).expect("the bridge off");
+    // A sample comes once in a period, and its interrupt takes some us to judge it.
+    let off = off_within(&mut host, instant, Duration::from_micros(56));
     println!("off {off:?} after 1.5 times the largest current");
-    // A sample comes once in a period, and its interrupt takes 3 us to judge it.
-    assert!(off <= Duration::from_micros(54), "{off:?}");
-    let [fault] = host.faults()[..] else { panic!("one fault") };
-    assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 4));
+    assert_eq!(stage_fault(&mut host), 4);
+    host.bench.turn(0.0, 0.0);
     host.bench.advance(Duration::from_millis(5));
     assert_eq!(current_a(&mut host), 0.0);
+}
+
+/// A sensor whose wire is open, or whose direction is the other one: at 24 V the current stays below 1.5 times its limit.
+#[test]
+fn a_sensor_that_shows_nothing_or_the_reverse_ends_the_run_in_2_ms() {
+    for supply_v in [24.0, 48.0] {
+        for is_reversed in [false, true] {
+            let motor = ElectricalParameters { supply_v, ..motor() };
+            let mut host = idle(&image(), motor);
+            if is_reversed {
+                assert_eq!(host.set("current_direction", ParameterValue::U32(1)), Outcome::Accepted);
+            }
+            host.run();
+            host.steps(3, 0.0);
+            if !is_reversed {
+                // Such a range shows the middle for every current.
+                change(&mut host, |motor| motor.sense_range_a = 1e4);
+            }
+            let instant = host.refer(1.0);
+            let torques = torques(&mut host, &motor, Duration::from_millis(4));
+            let off = off_within(&mut host, instant, Duration::from_millis(3));
+            let most_a = torques.iter().fold(0.0_f64, |most, nm| most.max(nm.abs() / 0.24));
+            println!(
+                "{supply_v} V, reversed {is_reversed}: off {off:?} after the command, at most {most_a:.0} A"
+            );
+            assert!(most_a < 75.0 + 5.0, "{most_a} A");
+            assert_eq!(stage_fault(&mut host), 6);
+        }
+    }
+}
+
+#[test]
+fn a_bus_without_voltage_arms_nothing_and_a_weak_one_ends_the_run() {
+    let motor = motor();
+    let mut host = idle(&image(), motor);
+    let nominal_v = motor.supply_v;
+    // Below a 64th of the range nothing is connected.
+    change(&mut host, |motor| motor.supply_v = 0.0);
+    host.bench.advance(Duration::from_millis(50));
+    assert_eq!(host.refusal_to_arm(), (Outcome::PowerStageFault, 3));
+    change(&mut host, move |motor| motor.supply_v = nominal_v);
+    host.bench.advance(Duration::from_millis(50));
+    host.run();
+    host.steps(5, 1.0);
+    // A fifth of the 24 V by default are 4.8 V.
+    change(&mut host, |motor| motor.supply_v = 4.0);
+    let under = (0..20_000).find(|_| {
+        host.bench.advance(Duration::from_micros(1));
+        bus_v(&mut host) < 4.75
+    });
+    let instant = host.bench.now();
+    assert!(under.is_some());
+    host.steps(2, 1.0);
+    // The bus is followed twice in a period.
+    off_within(&mut host, instant, Duration::from_micros(56));
+    assert_eq!(stage_fault(&mut host), 3);
+}
+
+#[test]
+fn a_supply_that_sags_by_a_fifth_is_held() {
+    let motor = motor();
+    let mut host = idle(&image(), motor);
+    host.run();
+    host.steps(5, 1.0);
+    change(&mut host, |motor| motor.supply_v *= 0.8);
+    host.refer(1.0);
+    let torques = torques(&mut host, &motor, Duration::from_millis(4));
+    let most = torques.iter().fold(0.0_f64, |most, nm| most.max((nm - f64::from(LIMIT_NM)).abs()));
+    println!("{most:.3} N m off while the supply sags by a fifth");
+    assert!(most < 0.1, "{most} N m");
+    assert_eq!(host.faults(), []);
+}
+
+/// The shaft turns against the torque: 24 V times 21 A go back, less the losses, into a bus of 1 mF.
+#[test]
+fn braking_into_a_supply_that_takes_nothing_ends_in_overvoltage() {
+    let motor = ElectricalParameters { reverse_current: ReverseCurrent::Blocked, ..motor() };
+    let mut host = idle(&image(), motor);
+    assert_eq!(host.set("supply_max_v", ParameterValue::F32(55.0)), Outcome::Accepted);
+    host.run();
+    host.steps(5, 1.0);
+    host.bench.turn(-100.0, 0.0);
+    host.refer(1.0);
+    let (mut over, mut most_v) = (None, 0.0_f64);
+    for _ in 0..10_000 {
+        host.bench.advance(Duration::from_micros(1));
+        let now_v = bus_v(&mut host);
+        most_v = most_v.max(now_v);
+        // A code of the converter is 15 mV.
+        if over.is_none() && now_v > 55.02 {
+            over = Some(host.bench.now());
+        }
+    }
+    let off = off_within(&mut host, over.expect("an overvoltage"), Duration::from_micros(56));
+    println!("off {off:?} after 55 V, at most {most_v:.1} V");
+    // The current decays in 0.3 ms: 3 mC into the 1 mF of the bus.
+    assert!(most_v < 59.0, "{most_v} V");
+    assert_eq!(stage_fault(&mut host), 7);
+}
+
+/// The first mean of the sensor at rest takes 1,024 periods.
+#[test]
+fn a_drive_without_the_offset_of_its_sensor_does_not_arm() {
+    // The names of the parameters are known from then on.
+    idle(&image(), motor());
+    let mut host = powered_up(&image(), motor());
+    let needed = [
+        ("torque_source", ParameterValue::U32(BY_CURRENT)),
+        ("stage_mode", ParameterValue::U32(COMPLEMENTARY)),
+        ("torque_limit_nm", ParameterValue::F32(0.4)),
+    ];
+    for (name, value) in crate::host::BENCH.iter().chain(&needed) {
+        assert_eq!(host.set(name, *value), Outcome::Accepted, "{name}");
+    }
+    host.bench.advance_to(Duration::from_millis(30));
+    host.bench.advance(host.period);
+    let refusal = host.refusal_to_arm();
+    println!("refused {:?} after power-up", host.bench.now());
+    assert!(host.bench.now() < Duration::from_millis(45));
+    assert_eq!(refusal, (Outcome::PowerStageFault, 6));
+    host.set_all(&settings(&motor()));
+    host.bench.advance_to(Duration::from_millis(75));
+    host.run();
+}
+
+#[test]
+fn a_step_of_the_loop_takes_at_most_10_us() {
+    for board in ["stm32f405", "nucleo-f446re", "nucleo-f429zi"] {
+        let image = image_of(board);
+        let mut host = idle(&image, motor());
+        let [sample, tick, link, serve, clock] = ["ADC", "TIM5", "USART2", "OTG_FS", "SysTick"]
+            .map(|task| image.function(task).or_else(|_| image.function("USART3")).expect("a task"));
+        let idle = image.first_in("main", WAIT_FOR_INTERRUPT).expect("the idle task") + 2;
+        [sample, tick, link, serve, clock, idle].into_iter().for_each(|it| host.bench.watch(it));
+        host.run();
+        host.bench.act(|_, site| site.log.arrivals.clear());
+        host.steps(20, 1.0);
+        let arrivals = host.bench.act(|_, site| std::mem::take(&mut site.log.arrivals));
+        // From sleep to sleep, without another task.
+        let mut counts: Vec<_> = arrivals
+            .windows(3)
+            .filter(|it| [it[0].address, it[1].address, it[2].address] == [idle, sample, idle])
+            .map(|it| it[2].instructions - it[1].instructions)
+            .collect();
+        counts.sort_unstable();
+        assert!(counts.len() > 100, "{board}: {} samples", counts.len());
+        let most = counts[counts.len() - 1];
+        println!("{board}: {} to {most} instructions, {:.1} us", counts[0], most as f64 / 168.0);
+        assert!(most <= 1_680, "{board}: {most}");
+    }
+}
+
+/// The shaft turns faster than the modulation: two channels must not overtake each other between two halves of its period.
+#[test]
+fn an_encoder_beside_a_bridge_loses_no_count_at_speed() {
+    // The back-EMF of 4 million counts per second at a count for each radian drives 0.4 A.
+    let motor = ElectricalParameters {
+        torque_constant_nm_a: 1e-4,
+        resistance_ohm: 1e3,
+        inductance_h: 1.0,
+        ..motor()
+    };
+    let mut host = idle(&image(), motor);
+    let unlimited = [("motor_speed_limit_rad_s", 1_500.0), ("load_speed_limit_rad_s", 1_500.0)];
+    let unlimited = unlimited.into_iter().chain([("twist_limit_rad", 1e5), ("torque_limit_nm", 1e-3)]);
+    for (name, value) in unlimited {
+        assert_eq!(host.set(name, ParameterValue::F32(value)), Outcome::Accepted, "{name}");
+    }
+    // A motor that has rested may not run away from its torque.
+    host.bench.turn(1e4, 1e4);
+    host.bench.advance(Duration::from_millis(2));
+    host.run();
+    for speed in [4e6, -3e6] {
+        host.bench.turn(speed, -0.5 * speed);
+        host.steps(20, 0.0);
+    }
+    host.bench.turn(0.0, 0.0);
+    let samples = host.steps(3, 0.0);
+    let shown = host.bench.act(|_, site| [Encoder::Motor, Encoder::Load].map(|it| site.train.count(it)));
+    let last = samples.last().unwrap_or_else(|| panic!("{:?}", host.faults()));
+    assert_eq!([last.motor_counts, last.load_counts], shown.map(lashloop_protocol::EncoderCounts::wrapping));
+    assert_eq!(host.faults(), []);
 }
 
 /// Without samples the bridge would keep its last duty, and no current would be too large.
@@ -199,10 +416,9 @@ fn a_shorted_winding_is_held_below_the_limit_or_ends_the_run() {
     let mut host = idle(&image(), motor);
     host.run();
     host.steps(5, 1.0);
-    host.bench.act(|_, site| {
-        let circuit = site.train.motor_at_bridge().expect("a motor").circuit();
-        circuit.parameters_mut().inductance_h *= 0.2;
-        circuit.parameters_mut().resistance_ohm *= 0.2;
+    change(&mut host, |motor| {
+        motor.inductance_h *= 0.2;
+        motor.resistance_ohm *= 0.2;
     });
     let torques = torques(&mut host, &motor, Duration::from_millis(5));
     let most_a = torques.iter().fold(0.0_f64, |most, nm| most.max(nm.abs() / motor.torque_constant_nm_a));
@@ -220,18 +436,12 @@ fn a_sagging_supply_winds_nothing_up() {
     let mut host = idle(&image(), motor);
     host.run();
     host.steps(5, 1.0);
-    let set_supply = |host: &mut Host, supply_v: f64| {
-        host.bench.act(move |_, site| {
-            let circuit = site.train.motor_at_bridge().expect("a motor").circuit();
-            circuit.parameters_mut().supply_v = supply_v;
-        });
-    };
     // 5 N m need 10.4 V.
-    set_supply(&mut host, 6.0);
+    change(&mut host, |motor| motor.supply_v = 6.0);
     host.steps(50, 1.0);
     let weak_nm = motor.torque_constant_nm_a * current_a(&mut host);
     assert!((2.0..3.2).contains(&weak_nm), "{weak_nm} N m");
-    set_supply(&mut host, 48.0);
+    change(&mut host, |motor| motor.supply_v = 48.0);
     host.refer(1.0);
     let back = torques(&mut host, &motor, Duration::from_millis(1));
     let most = back.iter().fold(0.0_f64, |most, nm| most.max(*nm));
