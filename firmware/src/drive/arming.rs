@@ -33,15 +33,12 @@ impl<L: LawSet> Drive<L> {
 
     /// Replaces the capture by the one of a request.
     pub(super) fn capture(&mut self, request: &Capture) -> Result<(), Refusal> {
-        let state = self.state();
-        if matches!(state, State::Boot | State::Faulted) {
+        if matches!(self.state(), State::Boot | State::Faulted) {
             return Err(Outcome::WrongState.into());
         }
         let capture = Captured::requested(request, L::SIGNALS)?;
-        // As for a subscription.
-        if state != State::Idle {
-            capture.check(self.parameters.law(), L::SIGNALS)?;
-        }
+        // The law may still change in Idle; arming checks it again.
+        capture.check(self.parameters.law(), L::SIGNALS)?;
         self.scope.set(capture);
         Ok(())
     }
@@ -100,8 +97,7 @@ impl<L: LawSet> Drive<L> {
             _ => Source::Link { last_answer: None },
         };
         self.lifecycle.start(&drive, source, now)?;
-        // A session that ended the run before has left it.
-        self.scope.end_run();
+        self.scope.begin_run();
         self.begin_counts();
         Ok(())
     }

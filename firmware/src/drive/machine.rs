@@ -308,7 +308,7 @@ impl<L: LawSet> Drive<L> {
                 Reply::Torque(answer) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
-                    self.scope.step(|| run.signals());
+                    self.scope.step(None, || run.signals());
                     if self.subscription.is_due(sample.sequence)
                         && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &run.signals())
                     {
@@ -320,7 +320,7 @@ impl<L: LawSet> Drive<L> {
                 Reply::OfPins => self.refuse_sample(Outcome::WrongState, arrived),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
-                    self.scope.step(|| run.signals());
+                    self.scope.step(Some(&violation), || run.signals());
                     let fault = self.latch(violation, arrived);
                     self.send_zero_torque(sample.sequence, flags, arrived, clock);
                     self.output.send(fault);
@@ -346,9 +346,7 @@ impl<L: LawSet> Drive<L> {
         let Violation { code, value, limit, detail } = violation;
         let sequence = self.last_sequence;
         let report = FaultReport { code, sequence, value, limit, detail, device_time_us: None };
-        if self.lifecycle.run().is_some() {
-            self.scope.fault();
-        }
+        self.scope.fault();
         self.lifecycle.latch(report);
         report
     }

@@ -6,6 +6,7 @@ use lashloop_protocol::message::{Capture, CaptureRows};
 use lashloop_protocol::telemetry_values::TelemetryValues;
 
 use super::refusal::Refusal;
+use super::safety::Violation;
 use super::subscription::{check_indices, check_law};
 use crate::law::Signal;
 
@@ -41,6 +42,7 @@ pub(super) enum Captured {
     },
     Complete {
         rows: Rows,
+        /// The number of rows if none is at or after the event.
         event: u16,
     },
 }
@@ -100,19 +102,20 @@ impl Scope {
         self.capture.check(law, table)
     }
 
-    /// To be called after every control step; `signals` gives the values of all signals.
+    /// To be called after every control step, with the fault that it ends in; `signals` gives the values of all signals.
     #[inline]
-    pub(super) fn step(&mut self, signals: impl FnOnce() -> [f32; MAX_SIGNALS]) {
+    pub(super) fn step(&mut self, fault: Option<&Violation>, signals: impl FnOnce() -> [f32; MAX_SIGNALS]) {
         let (Captured::Waiting { pace, .. } | Captured::Recording { pace, .. }) = &mut self.capture else {
             return;
         };
-        if pace.is_due() {
-            self.record(&signals());
+        // Without a step of the law the values are those of the step before.
+        if !fault.is_some_and(Violation::precedes_law) && pace.is_due() {
+            self.record(&signals(), fault.is_some());
         }
     }
 
     #[inline(never)]
-    fn record(&mut self, all: &[f32; MAX_SIGNALS]) {
+    fn record(&mut self, all: &[f32; MAX_SIGNALS], is_fault: bool) {
         self.capture = match self.capture {
             Captured::Waiting { mut rows, pace, before, mut trigger } => {
                 if rows.count > before {
@@ -122,7 +125,7 @@ impl Scope {
                 let is_event = match &mut trigger {
                     Trigger::Now => rows.count > before,
                     Trigger::Level(level) => level.is_passed_by(all),
-                    Trigger::Fault => false,
+                    Trigger::Fault => is_fault,
                 };
                 if is_event {
                     Captured::after_event(rows, pace, rows.count - 1)
@@ -138,13 +141,22 @@ impl Scope {
         };
     }
 
-    /// The running drive latches a fault. The step that caused it may have made the last row.
+    /// The drive latches a fault. That of a step with a row has its event; any other comes after the last row.
     pub(super) fn fault(&mut self) {
-        match self.capture {
-            Captured::Waiting { rows, trigger: Trigger::Fault, .. } if rows.count > 0 => {
-                self.capture = Captured::Complete { rows, event: rows.count - 1 };
+        if let Captured::Waiting { mut rows, before, trigger: Trigger::Fault, .. } = self.capture {
+            if rows.count > before {
+                rows.drop_first();
             }
-            _ => self.end_run(),
+            self.capture = Captured::Complete { rows, event: rows.count };
+        }
+    }
+
+    /// Every run has a row of its first step.
+    pub(super) fn begin_run(&mut self) {
+        // A session that ended the run before has left its recording.
+        self.end_run();
+        if let Captured::Waiting { pace, .. } = &mut self.capture {
+            pace.left = 0;
         }
     }
 
@@ -193,17 +205,19 @@ impl Captured {
         if signals.count_ones() > MOST_SIGNALS || every == 0 || before >= rows.capacity() {
             return Err(Outcome::OutOfRange);
         }
-        if signals.checked_shr(trigger_signal.into()).unwrap_or(0) & 1 == 0 {
-            return Err(Outcome::UnknownIndex);
-        }
-        if !level.is_finite() {
-            return Err(Outcome::OutOfRange);
-        }
-        let passing = |sign| Level { signal: trigger_signal, sign, level: sign * level, was_below: false };
+        let passing = |sign: f32| {
+            if signals.checked_shr(trigger_signal.into()).unwrap_or(0) & 1 == 0 {
+                return Err(Outcome::UnknownIndex);
+            }
+            if !level.is_finite() {
+                return Err(Outcome::OutOfRange);
+            }
+            Ok(Trigger::Level(Level { signal: trigger_signal, sign, level: sign * level, was_below: false }))
+        };
         let trigger = match trigger {
             CaptureTrigger::Now => Trigger::Now,
-            CaptureTrigger::Rising => Trigger::Level(passing(1.0)),
-            CaptureTrigger::Falling => Trigger::Level(passing(-1.0)),
+            CaptureTrigger::Rising => passing(1.0)?,
+            CaptureTrigger::Falling => passing(-1.0)?,
             CaptureTrigger::Fault => Trigger::Fault,
             CaptureTrigger::Unknown(_) => return Err(Outcome::OutOfRange),
         };

@@ -196,6 +196,21 @@ fn a_capture_has_a_row_every_n_th_step() {
 }
 
 #[test]
+fn every_run_has_a_row_of_its_first_step() {
+    let mut host = Host::idle();
+    host.send(Capture { every: 5, before: 10, ..AT_ONCE });
+    for (steps, event_is_there) in [(7, false), (7, false), (36, true)] {
+        start(&mut host);
+        turn(&mut host, 0, ramp(0..steps));
+        host.send(Stop {});
+        let is_there = matches!(host.send(ReadCapture { first: 0 })[..], [DriveMessage::CaptureRows(_)]);
+        assert_eq!(is_there, event_is_there);
+    }
+    let twists: Vec<_> = rows_of(&mut host, 4).1.iter().map(|row| (1e3 * row[3]).round()).collect();
+    assert_eq!(twists, [0.0, 5.0, 0.0, 5.0, 0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0]);
+}
+
+#[test]
 fn a_capture_waits_from_run_to_run_and_ends_with_the_run_of_its_event() {
     let mut host = Host::idle();
     host.send(AT_TWIST);
@@ -229,27 +244,35 @@ fn a_session_that_ends_the_run_ends_the_recording() {
 }
 
 #[test]
-fn a_fault_is_an_event_whose_row_is_the_last() {
+fn a_fault_between_two_steps_comes_after_the_last_row() {
     let mut host = Host::running(&[]);
     host.send(Capture { trigger: CaptureTrigger::Fault, ..AT_TWIST });
     turn(&mut host, 0, ramp(0..20));
     host.send(EmergencyStop {});
     assert_eq!(host.drive.state(), State::Faulted);
     let (event, rows) = twists(&mut host);
-    assert_eq!((event, rows.len()), (4, 5));
-    assert!((rows[4] - 0.019).abs() < 1e-4, "the last step: {} rad", rows[4]);
+    assert_eq!((event, rows.len()), (4, 4), "no row at the event");
+    assert!((rows[3] - 0.019).abs() < 1e-4, "the last step: {} rad", rows[3]);
     host.send(ClearFault {});
-    assert_eq!(twists(&mut host).0, 4, "after the fault was cleared too");
+    assert_eq!(twists(&mut host), (event, rows), "after the fault was cleared too");
 }
 
 #[test]
-fn a_fault_without_a_run_is_no_event() {
+fn a_step_that_is_rejected_before_the_law_has_no_row() {
     let mut host = Host::running(&[]);
     host.send(Capture { trigger: CaptureTrigger::Fault, ..AT_TWIST });
-    turn(&mut host, 0, ramp(0..20));
-    host.send(Stop {});
+    turn(&mut host, 0, ramp(0..20).chain([2.0]));
+    assert_eq!(host.drive.state(), State::Faulted, "an encoder that jumps");
+    let (event, rows) = twists(&mut host);
+    assert_eq!((event, rows.len()), (4, 4));
+}
+
+#[test]
+fn a_fault_before_the_first_step_is_an_event_without_rows() {
+    let mut host = Host::running(&[]);
+    host.send(Capture { trigger: CaptureTrigger::Fault, ..AT_TWIST });
     host.send(EmergencyStop {});
-    assert_eq!(host.refusal(ReadCapture { first: 0 }), (Outcome::NotCaptured, 1, State::Faulted));
+    assert_eq!(host.refusal(ReadCapture { first: 0 }), (Outcome::UnknownIndex, 0, State::Faulted));
 }
 
 #[test]
@@ -322,15 +345,17 @@ fn a_refused_capture_changes_nothing() {
     host.send(AT_ONCE);
     let beyond = 1 << Laws::SIGNALS.len();
     let unknown = CaptureTrigger::from_byte(99).expect("a value without a name");
+    let [rising, falling] =
+        [CaptureTrigger::Rising, CaptureTrigger::Falling].map(|trigger| Capture { trigger, ..AT_ONCE });
     for (capture, want) in [
         (Capture { signals: beyond | 1, ..AT_ONCE }, Outcome::UnknownIndex),
         (Capture { signals: 0b1_1111, ..AT_ONCE }, Outcome::OutOfRange),
         (Capture { every: 0, ..AT_ONCE }, Outcome::OutOfRange),
         (Capture { before: 256, ..AT_ONCE }, Outcome::OutOfRange),
-        (Capture { trigger_signal: 4, ..AT_ONCE }, Outcome::UnknownIndex),
-        (Capture { trigger_signal: 32, ..AT_ONCE }, Outcome::UnknownIndex),
-        (Capture { level: f32::NAN, ..AT_ONCE }, Outcome::OutOfRange),
-        (Capture { level: f32::INFINITY, ..AT_ONCE }, Outcome::OutOfRange),
+        (Capture { trigger_signal: 4, ..rising }, Outcome::UnknownIndex),
+        (Capture { trigger_signal: 32, ..falling }, Outcome::UnknownIndex),
+        (Capture { level: f32::NAN, ..rising }, Outcome::OutOfRange),
+        (Capture { level: f32::INFINITY, ..falling }, Outcome::OutOfRange),
         (Capture { trigger: unknown, ..AT_ONCE }, Outcome::OutOfRange),
     ] {
         assert_eq!(host.refusal(capture), (want, 0, State::Running), "{capture:?}");
@@ -341,19 +366,26 @@ fn a_refused_capture_changes_nothing() {
 
 #[test]
 fn a_signal_of_another_law_is_refused_and_checked_by_arm() {
-    let open_loop = [("controller", ParameterValue::U32(5))];
+    let open_loop = ("controller", ParameterValue::U32(5));
     let error = Host::<Laws>::signal("load_error_rad");
     let index = error.trailing_zeros();
     let capture = Capture { signals: error, trigger_signal: index as u8, ..AT_ONCE };
-    let mut running = Host::running(&open_loop);
-    assert_eq!(running.refusal(capture), (Outcome::SignalOfOtherLaw, index, State::Running));
-    let mut idle = Host::idle();
-    idle.set("controller", ParameterValue::U32(5));
-    assert_eq!(idle.command(capture), (Outcome::Accepted, State::Idle));
-    let refusal = idle.refusal(Arm { session: SESSION });
+    let mut armed = Host::idle();
+    armed.set(open_loop.0, open_loop.1);
+    let idle = armed.refusal(capture);
+    assert_eq!(idle, (Outcome::SignalOfOtherLaw, index, State::Idle));
+    armed.send(Arm { session: SESSION });
+    let running = Host::running(&[open_loop]);
+    for (mut host, state) in [(armed, State::Armed), (running, State::Running)] {
+        assert_eq!(host.refusal(capture), (Outcome::SignalOfOtherLaw, index, state));
+    }
+    let mut host = Host::idle();
+    assert_eq!(host.command(capture), (Outcome::Accepted, State::Idle));
+    host.set(open_loop.0, open_loop.1);
+    let refusal = host.refusal(Arm { session: SESSION });
     assert_eq!(refusal, (Outcome::SignalOfOtherLaw, index, State::Idle));
-    idle.set("controller", ParameterValue::U32(0));
-    assert_eq!(idle.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
+    host.set(open_loop.0, ParameterValue::U32(0));
+    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
 }
 
 #[test]
@@ -363,9 +395,7 @@ fn a_message_has_whole_rows() {
         host.send(Capture { signals, ..AT_ONCE });
         turn(&mut host, 0, ramp(0..14));
         host.send(Stop {});
-        let [DriveMessage::CaptureRows(it)] = host.send(ReadCapture { first: 0 })[..] else {
-            panic!("rows")
-        };
+        let [DriveMessage::CaptureRows(it)] = host.send(ReadCapture { first: 0 })[..] else { panic!("rows") };
         assert_eq!(it.values.as_slice().len(), rows * (signals as u32).count_ones() as usize);
         let [DriveMessage::CaptureRows(it)] = host.send(ReadCapture { first: 13 })[..] else {
             panic!("the last row")
@@ -381,8 +411,10 @@ fn the_watchdog_is_a_fault_too() {
     host.send(Capture { trigger: CaptureTrigger::Fault, ..AT_TWIST });
     turn(&mut host, 0, ramp(0..2));
     host.advance(std::time::Duration::from_secs(10));
-    assert!(host.take_output().iter().any(
-        |answer| matches!(answer, DriveMessage::FaultReport(it) if it.code == FaultCode::Watchdog)
-    ));
-    assert_eq!(twists(&mut host).0, 1);
+    assert!(
+        host.take_output()
+            .iter()
+            .any(|answer| matches!(answer, DriveMessage::FaultReport(it) if it.code == FaultCode::Watchdog))
+    );
+    assert_eq!(twists(&mut host).0, 2);
 }
