@@ -39,6 +39,7 @@ impl<L: LawSet> Drive<L> {
         let signals = sample.filter(|sample| is_due(sample.sequence)).map(|_| run.signals());
         if let Some(sample) = sample {
             self.last_sequence = sample.sequence;
+            self.scope.step(fault.as_ref(), || run.signals());
         }
         // Before the report of the step, whose torque is zero.
         let fault = fault.map(|violation| self.latch(violation, clock.now()));

@@ -20,7 +20,7 @@
 //! | module | concept |
 //! |---|---|
 //! | `machine` | [`Drive`]: bytes in, one handler per request, bytes out |
-//! | `arming`, `refusal` | what `Subscribe`, `Arm` and `Start` check; why a request was refused |
+//! | `arming`, `refusal` | what `Subscribe`, `Capture`, `Arm` and `Start` check; why a request was refused |
 //! | `lifecycle` | the states above; each owns what only it has |
 //! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
@@ -34,6 +34,7 @@
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
+//! | `scope` | a capture: signals around an event, at the rate of the loop |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
@@ -62,6 +63,7 @@ mod pins;
 mod refusal;
 mod run;
 mod safety;
+mod scope;
 mod subscription;
 mod torque_answer;
 mod watchdog;

@@ -34,6 +34,12 @@ impl Violation {
     pub(super) fn of(code: FaultCode) -> Self {
         Self { code, value: 0.0, limit: 0.0, detail: 0 }
     }
+
+    /// Whether the rule is one of those that are checked before the controller steps.
+    pub(super) fn precedes_law(&self) -> bool {
+        use FaultCode::{LoadEncoderJump, MotorEncoderJump, ReferenceNotFinite};
+        matches!(self.code, ReferenceNotFinite | MotorEncoderJump | LoadEncoderJump)
+    }
 }
 
 /// Limits of one run, fixed at its start.

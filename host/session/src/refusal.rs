@@ -97,6 +97,9 @@ impl Reply {
             (Outcome::EncoderImplausible, 5) => {
                 "both channels of the load encoder changed at once".to_owned()
             }
+            (Outcome::NotCaptured, 0) => "no capture was requested since the reset".to_owned(),
+            (Outcome::NotCaptured, 1) => "the event did not come".to_owned(),
+            (Outcome::NotCaptured, 2) => "rows are still to come after the event".to_owned(),
             // Nothing was refused, and what the request asked for is missing.
             (Outcome::Accepted, _) => "but without the answer that the request has".to_owned(),
             (_, 0) => return None,
