@@ -8,7 +8,8 @@ use crate::prelude::checks::*;
 /// Most signals of a capture.
 const MOST: usize = 4;
 /// References of a run, with the mechanics at rest. A law's request has its extremes in the middle.
-const REFERENCES_RAD: [f32; 12] = [0.5, 0.25, 0.75, 0.5, -0.5, 1.25, 0.75, -1.5, -0.25, 0.5, 0.25, 0.75];
+const REFERENCES_RAD: [f32; 15] =
+    [0.5, 0.25, 0.75, 0.5, -0.5, 1.25, 0.75, -1.5, -0.25, 0.5, 0.25, 0.75, 0.5, 0.25, 0.0];
 /// Values of a row in telemetry or capture, as bits.
 type Row = Vec<u32>;
 

@@ -50,6 +50,7 @@ fn stored(client: &mut Client, found: &[ParameterValue]) -> RuleResult {
     client.exchange("in Idle", &[result(StoreParameters {}, Accepted, Idle)])?;
     in_force(client, "after StoreParameters", &changed, Idle)?;
     equal("defaults after StoreParameters:", &changed, &described(client)?)?;
+    set_all(client, found, false)?;
     client.reset()?;
     in_force(client, "after StoreParameters and Reset", &changed, Boot)?;
     client.idle()?;
