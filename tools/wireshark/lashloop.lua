@@ -72,7 +72,7 @@ local FAULT_CODE = {
     [16] = "Stall",
     [17] = "Overload",
     [18] = "TorqueMissing",
-    [19] = "Input",
+    [19] = "LimitSwitch",
 }
 local OUTCOME = {
     [1] = "Accepted",
@@ -115,6 +115,7 @@ local TORQUE_FLAGS = {
     [16] = "SATURATED",
     [32] = "REPEATED",
     [64] = "GAP",
+    [128] = "SLEW_LIMITED",
 }
 local PARAMETER_FLAGS = {
     [1] = "LIVE",

@@ -100,7 +100,7 @@ class FaultCode(WireEnum):
     STALL = 16
     OVERLOAD = 17
     TORQUE_MISSING = 18
-    INPUT = 19
+    LIMIT_SWITCH = 19
 
     @property
     def is_firmware_stop(self) -> bool:
@@ -189,6 +189,7 @@ class TorqueFlags(IntFlag):
     SATURATED = 0x10
     REPEATED = 0x20
     GAP = 0x40
+    SLEW_LIMITED = 0x80
 
 
 @dataclass(frozen=True, slots=True)
