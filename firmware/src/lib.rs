@@ -30,6 +30,7 @@ extern crate std;
 pub mod actuator;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
+mod bridge_limits;
 pub mod control;
 pub mod direction;
 pub mod drive;
