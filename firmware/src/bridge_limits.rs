@@ -49,6 +49,8 @@ pub struct BridgeLimits {
     pub supply_min_v: f32,
     /// Largest voltage of the bus in V.
     pub supply_max_v: f32,
+    /// Voltage of the bus in V from which on a brake resistor is on.
+    pub brake_on_v: f32,
 }
 
 impl BridgeLimits {
@@ -80,6 +82,7 @@ mod tests {
         current_limit_a: 40.0,
         supply_min_v: 10.0,
         supply_max_v: 50.0,
+        brake_on_v: 45.0,
     };
 
     #[test]

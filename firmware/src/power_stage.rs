@@ -177,6 +177,7 @@ pub(crate) mod tests {
             current_limit_a: 40.0,
             supply_min_v: 10.0,
             supply_max_v: 50.0,
+            brake_on_v: 45.0,
         },
         nm_per_full_duty: 20.0,
         offset: 0.5,

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use lashloop_plant::electrical::{ElectricalParameters, ReverseCurrent};
 use lashloop_protocol::enums::{Outcome, ParameterValue};
+use lashloop_protocol::message::Stop;
+use lashloop_silicon::boards;
 use lashloop_silicon::motor_at_bridge::{BridgeInputs, MotorAtBridge};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::WAIT_FOR_INTERRUPT;
@@ -278,5 +280,35 @@ fn resistance_and_inductance_off_by_30_percent_leave_the_loop_stable() {
         println!("R x {resistance}, L x {inductance}: at most {most:.2} N m, then {late:.3} N m off");
         assert!(most <= 1.25 * f64::from(LIMIT_NM) && late <= 0.06, "{torques:?}");
         assert_eq!(host.faults(), []);
+    }
+}
+
+#[test]
+fn a_brake_resistor_is_on_above_its_voltage_until_3_percent_less() {
+    for board in ["stm32f405", "nucleo-f429zi"] {
+        let pin = boards::open(board).expect("a board").bridge.brake.expect("a brake");
+        let is_on = |host: &mut Host| host.bench.act(move |chip, _| chip.is_high(pin));
+        let mut host = idle(&image_of(board), motor());
+        assert_eq!(host.set("brake_on_v", ParameterValue::F32(50.0)), Outcome::Accepted);
+        host.run();
+        for (supply_v, want) in [(49.8, false), (50.2, true), (48.7, true), (48.2, false), (49.8, false)] {
+            change(&mut host, move |motor| motor.supply_v = supply_v);
+            host.steps(2, 0.0);
+            assert_eq!(is_on(&mut host), want, "{board}: {supply_v} V");
+        }
+        // The motor is turned on after the end of the run.
+        change(&mut host, |motor| motor.supply_v = 55.0);
+        host.steps(2, 0.0);
+        host.command(Stop {});
+        let instants = (0..50).filter(|_| {
+            host.bench.advance(Duration::from_micros(230));
+            is_on(&mut host)
+        });
+        let on = instants.count();
+        println!("{board}: on at {on} of 50 instants after the run");
+        assert!(on >= 45, "{board}: {on}");
+        host.bench.act(|chip, _| chip.stop_converters());
+        host.bench.advance(Duration::from_millis(2));
+        assert!(!is_on(&mut host), "{board}: nothing would switch it off");
     }
 }
