@@ -31,6 +31,7 @@ extern crate std;
 pub mod actuator;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
+mod bridge_limits;
 pub mod contact;
 pub mod control;
 pub mod direction;

@@ -100,6 +100,8 @@ crate::parameters! {
         supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
         /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.
         supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
+        /// Voltage of the bus from which on a brake resistor is on, from the first run on and until 3 % less.
+        brake_on_v: F32 = 1e3 in 1.0..=1e3, "V";
     }
 }
 
@@ -132,6 +134,7 @@ impl PinParameters {
                 current_limit_a: self.current_limit_a,
                 supply_min_v: self.supply_min_v,
                 supply_max_v: self.supply_max_v,
+                brake_on_v: self.brake_on_v,
             },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,

@@ -24,7 +24,7 @@ const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
 
 /// The parameters of bench mode that are keys of `[bench]`, with their meaning. Ranges and choices are those of the drive.
-const PINS: [(&str, &str); 37] = [
+const PINS: [(&str, &str); 38] = [
     (TORQUE_PER_DUTY_NM, "Torque at the motor for a duty of 1 more than `duty_offset`."),
     ("duty_offset", "Duty of no torque."),
     ("duty_min", "Smallest duty of the amplifier."),
@@ -47,6 +47,7 @@ const PINS: [(&str, &str); 37] = [
     ("current_limit_a", "Largest current by command; beyond 1.5 of it the drive switches the bridge off."),
     ("supply_min_v", "Smallest voltage of the bus."),
     ("supply_max_v", "Largest voltage of the bus."),
+    ("brake_on_v", "Voltage of the bus from which on a brake resistor is on, until 3 % less."),
     ("torque_slew_nm_s", "Fastest change of the torque."),
     ("motor_travel_min_rad", "Least position of the motor from the zero of its encoder."),
     ("motor_travel_max_rad", "Largest position of the motor from the zero of its encoder."),
