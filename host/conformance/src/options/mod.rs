@@ -61,7 +61,7 @@ fn lacking(client: &mut Client) -> RuleResult {
 }
 
 fn zero(client: &mut Client) -> RuleResult {
-    needs(client, Capabilities::BENCH_MODE, "the drive has no encoders")?;
+    needs(client, Capabilities::BENCH_MODE, "the drive has no bench mode")?;
     let other = ZeroSource::from_byte(UNNAMED).unwrap_or(ZeroSource::Home);
     client.in_states(State::ALL, |client, state| {
         let sources: &[ZeroSource] =
