@@ -29,6 +29,7 @@
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
+//! | `store` | the requests to store, recall and forget them |
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
@@ -59,6 +60,7 @@ mod pins;
 mod refusal;
 mod run;
 mod safety;
+mod store;
 mod subscription;
 mod torque_answer;
 mod watchdog;

@@ -65,6 +65,8 @@ crate::parameters! {
         supply_range_v: F32 = 60.0 in 1.0..=1e3, "V";
         /// Largest current of the motor, by command. Beyond 1.5 of it the drive switches the bridge off.
         current_limit_a: F32 = 5.0 in 0.01..=1e4, "A";
+        /// Number of the rig, for hosts that compare it with their rig file.
+        rig_id: U32 = 0 in 0..=4_294_967_295, "";
     }
 }
 

@@ -7,6 +7,7 @@ mod gate_driver;
 mod adc;
 mod clock_tree;
 mod encoder;
+mod flash;
 mod ports;
 mod pwm;
 mod serial;
@@ -26,6 +27,7 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use ports::{Blocks, Ports};
 
 /// A chip of the family on the selected board.
@@ -45,6 +47,7 @@ impl Chip for Stm32f4 {
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
+    const STORE: &'static dyn Memory = &flash::Flash;
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
