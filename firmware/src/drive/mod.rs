@@ -31,6 +31,7 @@
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
+//! | `store` | the requests to store, recall and forget them |
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
@@ -64,6 +65,7 @@ mod refusal;
 mod run;
 mod safety;
 mod scope;
+mod store;
 mod subscription;
 mod torque_answer;
 mod watchdog;

@@ -102,6 +102,8 @@ crate::parameters! {
         supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
         /// Voltage of the bus from which on a brake resistor is on, from the first run on and until 3 % less.
         brake_on_v: F32 = 1e3 in 1.0..=1e3, "V";
+        /// Number of the rig, for hosts that compare it with their rig file.
+        rig_id: U32 = 0 in 0..=4_294_967_295, "";
     }
 }
 
