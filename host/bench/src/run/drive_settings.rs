@@ -255,14 +255,14 @@ fn capture(
     law: &Law,
     errors: &mut Vec<ScenarioError>,
 ) -> Option<CaptureRequest> {
-    let choices = scope.signals.as_ref().filter(|_| !scope.is_off())?;
+    let (choices, first) = (scope.signals.as_ref()?, scope.first()?);
     if !session.has_scope() {
-        let value = format!("{:?}", choices[0].name);
-        errors.push(ScenarioError::by_drive(&choices[0].origin, SCOPE.key, value, CaptureError::Unsupported));
+        let value = format!("{:?}", first.name);
+        errors.push(ScenarioError::by_drive(&first.origin, SCOPE.key, value, CaptureError::Unsupported));
         return None;
     }
     let signals = SCOPE.chosen(choices, session, law, errors);
-    let source = scope.trigger_signal.as_ref().unwrap_or(&choices[0]);
+    let source = scope.trigger_signal.as_ref().unwrap_or(first);
     let trigger_signal = signals.iter().find(|it| it.signal.name == source.name).map(|it| it.index);
     if trigger_signal.is_none() && scope.trigger_signal.is_some() {
         let known = signals.iter().map(|it| &*it.signal.name);

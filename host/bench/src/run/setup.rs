@@ -63,12 +63,14 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
             device.unfit(format!("it does not send the signals that the scenario needs: {rejected}"))
         }
     })?;
-    if let Some(capture) = settings.capture {
+    if let (Some(capture), Some(first)) = (settings.capture, scenario.scope.first()) {
         device.session.capture(capture).map_err(|error| match error {
-            CaptureError::Session(source) => device.explain(source),
-            refused => device.unfit(format!(
-                "it does not take the capture of [scope]: {refused}; fewer signals or a smaller scope.before_rows need less memory"
-            )),
+            CaptureError::Session(source) => device.explain(source).into(),
+            refused => {
+                let rows = scenario.scope.before_rows.to_string();
+                let reason = format!("{refused}; its memory takes more rows of fewer signals");
+                RunError::from(ScenarioError::by_drive(&first.origin, "scope.before_rows", rows, reason))
+            }
         })?;
     }
     for note in settings.notes {

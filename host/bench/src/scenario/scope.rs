@@ -49,9 +49,15 @@ fn signal() -> impl Field<Value = Option<SignalChoice>> {
 }
 
 impl ScopeSettings {
+    /// The first signal; `None` if nothing is captured.
+    #[must_use]
+    pub fn first(&self) -> Option<&SignalChoice> {
+        self.signals.as_ref()?.first()
+    }
+
     /// Whether nothing is captured.
     #[must_use]
     pub fn is_off(&self) -> bool {
-        self.signals.as_ref().is_none_or(Vec::is_empty)
+        self.first().is_none()
     }
 }
