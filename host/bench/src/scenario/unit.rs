@@ -15,8 +15,9 @@ const UNITS: &[(&str, &str)] = &[
     ("lost", "steps"), ("late", "steps"), ("late_in_a_row", "steps"),
 ];
 
-/// The unit of a key; empty for a pure number.
-pub(super) fn of(key: &str) -> &'static str {
+/// The unit of a key or a signal, by the end of its name; empty for a pure number.
+#[must_use]
+pub fn of(key: &str) -> &'static str {
     let ends_with =
         |end: &str| key.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with('_'));
     UNITS.iter().find(|(end, _)| ends_with(end)).map_or("", |(_, unit)| unit)
