@@ -23,6 +23,7 @@ use super::refusal::Refusal;
 use super::run::{Reply, Run};
 use super::safety::Violation;
 use super::scope::{Captured, Scope};
+use super::store::Keep;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
 use crate::law::LawSet;
@@ -46,8 +47,8 @@ pub struct Drive<L: LawSet = Laws> {
     pub(super) loader: Loader,
     /// `None` for a drive whose parameters don't survive power-off.
     pub(super) store: Option<Store>,
-    /// Whether the record that is being written is one that forgets.
-    pub(super) is_forgetting: bool,
+    /// The request for the store that is being answered.
+    pub(super) keeping: Keep,
 }
 
 impl Drive {
@@ -86,7 +87,7 @@ impl<L: LawSet> Drive<L> {
             pins: hardware.map(Pins::new),
             loader: Loader::Absent,
             store: None,
-            is_forgetting: false,
+            keeping: Keep::Recall,
         }
     }
 
@@ -224,12 +225,9 @@ impl<L: LawSet> Drive<L> {
                 let result = self.enter_loader(request.session, arrived);
                 (message::EnterLoader::LAYOUT.kind, result.map_err(Refusal::from))
             }
-            HostMessage::StoreParameters(_)
-            | HostMessage::RecallParameters(_)
-            | HostMessage::ForgetParameters(_) => match self.keep_parameters(message) {
-                Some(result) => (message.layout().kind, result),
-                None => return,
-            },
+            HostMessage::StoreParameters(_) => return self.keep_parameters(Keep::Store),
+            HostMessage::RecallParameters(_) => return self.keep_parameters(Keep::Recall),
+            HostMessage::ForgetParameters(_) => return self.keep_parameters(Keep::Forget),
             HostMessage::SetZero(request) => (message::SetZero::LAYOUT.kind, self.set_zero(request.source)),
             HostMessage::Capture(request) => (message::Capture::LAYOUT.kind, self.capture(request)),
             HostMessage::ReadCapture(request) => match self.read_capture(request.first) {

@@ -1,14 +1,21 @@
 //! The requests to store, recall and forget parameters.
 
-use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{ForgetParameters, StoreParameters};
+use lashloop_protocol::message::{ForgetParameters, RecallParameters, StoreParameters};
 use lashloop_protocol::wire::Payload;
 
 use super::machine::Drive;
 use super::refusal::Refusal;
 use crate::law::LawSet;
 use crate::store::{Progress, Store, StoreError};
+
+/// The requests, by their kinds on the wire.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Keep {
+    Store = StoreParameters::LAYOUT.kind as isize,
+    Recall = RecallParameters::LAYOUT.kind as isize,
+    Forget = ForgetParameters::LAYOUT.kind as isize,
+}
 
 impl<L: LawSet> Drive<L> {
     /// The drive after power-up, with a store: its parameters are those that were stored. [`Self::continue_storing`] is to be
@@ -30,28 +37,33 @@ impl<L: LawSet> Drive<L> {
             Progress::Writing => return true,
             Progress::Done(result) => result,
         };
-        let kind =
-            if self.is_forgetting { ForgetParameters::LAYOUT.kind } else { StoreParameters::LAYOUT.kind };
-        if self.is_forgetting && result.is_ok() {
+        if self.keeping == Keep::Forget && result.is_ok() {
             self.parameters.recall(self.store.as_ref());
         }
-        self.send_result(kind, result.map_err(Refusal::from));
+        self.send_result(self.keeping as u8, result.map_err(Refusal::from));
         true
     }
 
-    /// Takes a request for the store. `None` if its answer follows when the memory is written.
-    pub(super) fn keep_parameters(&mut self, request: &HostMessage) -> Option<Result<(), Refusal>> {
+    /// Takes a request for the store, and answers it unless the memory has to be written first.
+    pub(super) fn keep_parameters(&mut self, request: Keep) {
+        self.keeping = request;
+        if let Some(result) = self.begin_to_keep() {
+            self.send_result(request as u8, result);
+        }
+    }
+
+    /// `None` if the memory has to be written first.
+    fn begin_to_keep(&mut self) -> Option<Result<(), Refusal>> {
         let state = self.state();
         let Some(store) = &mut self.store else { return Some(Err(Outcome::UnknownRequest.into())) };
         if state != State::Idle {
             return Some(Err(Outcome::WrongState.into()));
         }
-        self.is_forgetting = matches!(request, HostMessage::ForgetParameters(_));
-        let count = match request {
-            HostMessage::StoreParameters(_) => self.parameters.count(),
+        let count = match self.keeping {
+            Keep::Store => self.parameters.count(),
             // Without a record there is nothing to forget, and no reason to wear the memory.
-            HostMessage::ForgetParameters(_) if store.holds_values() => 0,
-            _ => {
+            Keep::Forget if store.holds_values() => 0,
+            Keep::Forget | Keep::Recall => {
                 self.parameters.recall(Some(store));
                 return Some(Ok(()));
             }

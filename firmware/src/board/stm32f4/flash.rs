@@ -17,6 +17,8 @@ const FIRST: (usize, u8) = (0x081c_0000, 0b11010);
 #[cfg(feature = "stm32f446")]
 const FIRST: (usize, u8) = (0x0804_0000, 6);
 
+/// Cycles between two looks at an operation, which may last for seconds.
+const PAUSE_CYCLES: u32 = 100;
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// Errors of an operation before, which would keep the next one from starting.
 const ERRORS: u32 = 0xf2;
@@ -49,7 +51,9 @@ fn unlocked(operation: impl FnOnce(&FLASH)) {
 }
 
 fn wait(flash: &FLASH) {
-    while flash.sr().read().bsy().is_busy() {}
+    while flash.sr().read().bsy().is_busy() {
+        cortex_m::asm::delay(PAUSE_CYCLES);
+    }
 }
 
 impl Memory for Flash {
@@ -62,7 +66,7 @@ impl Memory for Flash {
     fn program(&self, line: usize, words: &Line) {
         unlocked(|flash| {
             // 32 bits at once, from 2.7 V on.
-            flash.cr().write(|w| w.psize().psize32().pg().set_bit());
+            flash.cr().modify(|_, w| w.psize().psize32().pg().set_bit());
             for (at, word) in words.iter().enumerate() {
                 // SAFETY: as in `read`.
                 #[allow(unsafe_code)]
@@ -81,9 +85,9 @@ impl Memory for Flash {
             flash.acr().modify(|_, w| w.dcen().disabled());
             // SAFETY: the number is that of a sector of the store.
             #[allow(unsafe_code)]
-            flash
-                .cr()
-                .write(|w| unsafe { w.psize().psize32().ser().set_bit().snb().bits(FIRST.1 + sector as u8) });
+            flash.cr().modify(|_, w| unsafe {
+                w.psize().psize32().ser().set_bit().snb().bits(FIRST.1 + sector as u8)
+            });
             flash.cr().modify(|_, w| w.strt().start());
             cortex_m::asm::dsb();
             wait(flash);

@@ -16,6 +16,8 @@ use crate::store::{Line, Memory};
 
 /// Address of the first sector, and its number in the bank; the other one follows.
 const FIRST: (usize, u8) = (0x081c_0000, 6);
+/// Cycles between two looks at an operation, which may last for seconds.
+const PAUSE_CYCLES: u32 = 100;
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// All flags of an operation before, some of which would keep the next one from starting.
 const FLAGS: u32 = 0x0fef_0000;
@@ -64,7 +66,9 @@ fn unlocked(operation: impl FnOnce(&BANK)) {
 
 /// Until the queue of the bank is empty.
 fn wait(bank: &BANK) {
-    while bank.sr.read().qw().bit_is_set() {}
+    while bank.sr.read().qw().bit_is_set() {
+        cortex_m::asm::delay(PAUSE_CYCLES);
+    }
 }
 
 impl Memory for Flash {
@@ -87,7 +91,9 @@ impl Memory for Flash {
 
     fn program(&self, line: usize, words: &Line) {
         unlocked(|bank| {
-            bank.cr.modify(|_, w| w.psize().bits(PARALLELISM).pg().set_bit());
+            // SAFETY: every parallelism exists.
+            #[allow(unsafe_code)]
+            bank.cr.modify(|_, w| unsafe { w.psize().bits(PARALLELISM) }.pg().set_bit());
             for (at, word) in words.iter().enumerate() {
                 // SAFETY: as in `read`.
                 #[allow(unsafe_code)]
