@@ -7,7 +7,7 @@ use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Counters, Decoder, DriveMessage, FrameError, HostMessage, Message, Numbered, PROTOCOL_VERSION,
+    Counters, Decoder, DriveMessage, FrameError, HostMessage, Numbered, PROTOCOL_VERSION,
 };
 
 use super::clock::Clock;
