@@ -210,7 +210,6 @@ fn a_shorted_winding_is_held_below_the_limit_or_ends_the_run() {
     assert_eq!(others.collect::<Vec<_>>(), []);
 }
 
-/// The first sample of a run may come before the main output is on.
 #[test]
 fn a_run_that_begins_with_too_much_on_its_bus_is_off_after_a_period() {
     let mut host = idle(&image(), motor());
