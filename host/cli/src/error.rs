@@ -51,6 +51,11 @@ pub(crate) enum CliError {
     ReportOverInput { path: PathBuf },
     #[error(transparent)]
     Settings(SettingsError),
+    #[error(
+        "the drive has no memory for parameters (capability STORE): save them by `lashloop parameters dump` and set them by \
+         `restore`"
+    )]
+    NoStore,
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]

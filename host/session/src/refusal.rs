@@ -97,6 +97,10 @@ impl Reply {
             (Outcome::EncoderImplausible, 5) => {
                 "both channels of the load encoder changed at once".to_owned()
             }
+            (Outcome::StoreFailed, 1) => {
+                "its memory refuses to be written; what was stored before is kept".to_owned()
+            }
+            (Outcome::StoreFailed, 2) => "its memory is full until the next power-up".to_owned(),
             // Nothing was refused, and what the request asked for is missing.
             (Outcome::Accepted, _) => "but without the answer that the request has".to_owned(),
             (_, 0) => return None,

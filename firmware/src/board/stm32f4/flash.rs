@@ -85,9 +85,9 @@ impl Memory for Flash {
             flash.acr().modify(|_, w| w.dcen().disabled());
             // SAFETY: the number is that of a sector of the store.
             #[allow(unsafe_code)]
-            flash
-                .cr()
-                .modify(|_, w| unsafe { w.psize().psize32().ser().set_bit().snb().bits(FIRST.1 + sector as u8) });
+            flash.cr().modify(|_, w| unsafe {
+                w.psize().psize32().ser().set_bit().snb().bits(FIRST.1 + sector as u8)
+            });
             flash.cr().modify(|_, w| w.strt().start());
             cortex_m::asm::dsb();
             wait(flash);
