@@ -8,6 +8,7 @@
 //! | [`law`] | what a law is: parameters, signals, state, step; sets of laws |
 //! | [`control`] | control laws, from encoder counts to a torque |
 //! | [`Laws`] | the laws of Lashloop's own drive |
+//! | [`contact`] | enable input, limit switches, home switch |
 //! | [`direction`] | sign of an encoder or a power stage |
 //! | [`power_stage`], [`actuator`] | from a torque to a duty; a stage that follows a drive |
 //! | [`torque`] | from a torque to the duty of a bridge, by voltage or measured current |
@@ -31,6 +32,8 @@ extern crate std;
 pub mod actuator;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
+mod bridge_limits;
+pub mod contact;
 pub mod control;
 pub mod direction;
 pub mod drive;

@@ -138,14 +138,14 @@ pub fn start<L: LawSet>(
     let (clock, ticker) = device_clock::start(syst);
     let (mut drive, bench) = match (source, bench) {
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
-        (_, Some(Bench { motor, load, stage, sensor, tick, monitor })) => {
+        (_, Some(Bench { motor, load, contacts, stage, sensor, tick, monitor })) => {
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
             // A drive without its pins would store a set without their parameters.
             let drive = match store {
                 Some(store) => drive.with_store(store),
                 None => drive,
             };
-            let steps = Tick::start(tick, (motor, load), clock, drive.period());
+            let steps = Tick::start(tick, (motor, load, contacts), clock, drive.period());
             let (monitor, bridge) = (TickMonitor::new(monitor), BridgeLoop::start(sensor));
             (drive, Some(BenchTasks { stage: Stage::new(stage), steps, monitor, bridge }))
         }

@@ -1,9 +1,9 @@
-//! From `Idle` to a run: what `Subscribe`, `Arm` and `Start` check.
+//! From `Idle` to a run: what `Subscribe`, `Capture`, `Arm` and `Start` check.
 
 use core::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::Subscribe;
+use lashloop_protocol::message::{Capture, CaptureRows, Subscribe};
 
 use super::control_loop::ControlLoop;
 use super::lifecycle::Lifecycle;
@@ -12,6 +12,7 @@ use super::parameters::Parameters;
 use super::pin_run::PinRun;
 use super::refusal::Refusal;
 use super::run::Source;
+use super::scope::Captured;
 use super::subscription::Subscription;
 use crate::law::{LawSet, ParameterError};
 
@@ -30,6 +31,25 @@ impl<L: LawSet> Drive<L> {
         Ok(())
     }
 
+    /// Replaces the capture by the one of a request.
+    pub(super) fn capture(&mut self, request: &Capture) -> Result<(), Refusal> {
+        if matches!(self.state(), State::Boot | State::Faulted) {
+            return Err(Outcome::WrongState.into());
+        }
+        let capture = Captured::requested(request, L::SIGNALS)?;
+        // The law may still change in Idle; arming checks it again.
+        capture.check(self.parameters.law(), L::SIGNALS)?;
+        self.scope.set(capture);
+        Ok(())
+    }
+
+    pub(super) fn read_capture(&mut self, first: u16) -> Result<CaptureRows, Refusal> {
+        if self.lifecycle.run().is_none() {
+            self.scope.end_run();
+        }
+        self.scope.read(first)
+    }
+
     pub(super) fn arm(&mut self, session: u32) -> Result<(), Refusal> {
         self.check_session(session)?;
         if self.state() != State::Idle {
@@ -38,6 +58,7 @@ impl<L: LawSet> Drive<L> {
         if self.subscription.has_rate() {
             self.subscription.check(self.parameters.law(), L::SIGNALS)?;
         }
+        self.scope.check(self.parameters.law(), L::SIGNALS)?;
         // Not by `map_err`, which moves the law once more.
         let control = match self.control() {
             Ok(control) => control,
@@ -53,6 +74,7 @@ impl<L: LawSet> Drive<L> {
             (Some(parameters), Some(pins)) => {
                 let modulation = parameters.modulation(pins.hardware())?;
                 modulation.check(self.parameters.drive().torque_limit_nm)?;
+                parameters.check_travel()?;
                 Some(pins.hardware().limits(parameters.encoder_filter_ns)?)
             }
             _ => None,
@@ -76,6 +98,7 @@ impl<L: LawSet> Drive<L> {
             _ => Source::Link { last_answer: None },
         };
         self.lifecycle.start(&drive, source, now)?;
+        self.scope.begin_run();
         self.begin_counts();
         Ok(())
     }
@@ -86,7 +109,12 @@ impl<L: LawSet> Drive<L> {
 
     /// Whether the pins allow torque; `Ok` in HIL mode.
     fn check_pins(&self) -> Result<(), Refusal> {
-        let (Some(pins), Some(_)) = (&self.pins, self.parameters.bench_mode()) else { return Ok(()) };
+        let (Some(pins), Some(parameters)) = (&self.pins, self.parameters.bench_mode()) else {
+            return Ok(());
+        };
+        if let Some(fault) = parameters.missing_enable(&pins.readings()) {
+            return Err(Refusal { outcome: Outcome::PowerStageFault, detail: fault as u32 });
+        }
         pins.check(&self.parameters.drive())
     }
 }

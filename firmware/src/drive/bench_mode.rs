@@ -22,6 +22,9 @@ impl<L: LawSet> Drive<L> {
     pub fn sample(&mut self, readings: &PinReadings, due: Duration, clock: &impl Clock) {
         let Some(pins) = &mut self.pins else { return };
         pins.note(readings, due);
+        if let Lifecycle::Idle { .. } = &self.lifecycle {
+            self.find_home(readings);
+        }
         let Lifecycle::Running { run, .. } = &mut self.lifecycle else { return };
         let late = run.pins().and_then(|_| run.check_watchdog(clock.now()).err());
         let step = match late {
@@ -36,6 +39,7 @@ impl<L: LawSet> Drive<L> {
         let signals = sample.filter(|sample| is_due(sample.sequence)).map(|_| run.signals());
         if let Some(sample) = sample {
             self.last_sequence = sample.sequence;
+            self.scope.step(fault.as_ref(), || run.signals());
         }
         // Before the report of the step, whose torque is zero.
         let fault = fault.map(|violation| self.latch(violation, clock.now()));

@@ -7,7 +7,7 @@ use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Counters, Decoder, DriveMessage, FrameError, HostMessage, Message, Numbered, PROTOCOL_VERSION,
+    Counters, Decoder, DriveMessage, FrameError, HostMessage, Numbered, PROTOCOL_VERSION,
 };
 
 use super::clock::Clock;
@@ -22,6 +22,7 @@ use super::pins::{PinHardware, Pins};
 use super::refusal::Refusal;
 use super::run::{Reply, Run};
 use super::safety::Violation;
+use super::scope::{Captured, Scope};
 use super::store::Keep;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
@@ -36,6 +37,7 @@ pub struct Drive<L: LawSet = Laws> {
     pub(super) output: Output,
     pub(super) parameters: Parameters<L>,
     pub(super) subscription: Subscription,
+    pub(super) scope: Scope,
     pub(super) lifecycle: Lifecycle<L>,
     line_counts: LineCounts,
     /// Number of the last sample taken, for fault reports after the run too; 0 before the first sample of a run.
@@ -78,6 +80,7 @@ impl<L: LawSet> Drive<L> {
             output: Output::default(),
             parameters: Parameters::new(hardware.is_some()),
             subscription: Subscription::default(),
+            scope: Scope::default(),
             lifecycle: Lifecycle::Boot,
             line_counts: LineCounts::default(),
             last_sequence: 0,
@@ -225,9 +228,12 @@ impl<L: LawSet> Drive<L> {
             HostMessage::StoreParameters(_) => return self.keep_parameters(Keep::Store),
             HostMessage::RecallParameters(_) => return self.keep_parameters(Keep::Recall),
             HostMessage::ForgetParameters(_) => return self.keep_parameters(Keep::Forget),
-            HostMessage::SetZero(_) | HostMessage::Capture(_) | HostMessage::ReadCapture(_) => {
-                (message.layout().kind, Err(Outcome::UnknownRequest.into()))
-            }
+            HostMessage::SetZero(request) => (message::SetZero::LAYOUT.kind, self.set_zero(request.source)),
+            HostMessage::Capture(request) => (message::Capture::LAYOUT.kind, self.capture(request)),
+            HostMessage::ReadCapture(request) => match self.read_capture(request.first) {
+                Ok(rows) => return self.output.send(rows),
+                Err(refusal) => (message::ReadCapture::LAYOUT.kind, Err(refusal)),
+            },
             HostMessage::Stop(_) => {
                 self.output.send(self.line_counts.report(self.decoder.counters()));
                 (message::Stop::LAYOUT.kind, self.lifecycle.stop().map_err(Refusal::from))
@@ -253,6 +259,7 @@ impl<L: LawSet> Drive<L> {
         self.lifecycle = Lifecycle::Boot;
         self.parameters.recall(self.store.as_ref());
         self.subscription = Subscription::default();
+        self.scope.set(Captured::Off);
         self.last_sequence = 0;
         if let Some(pins) = &mut self.pins {
             pins.reset();
@@ -283,7 +290,7 @@ impl<L: LawSet> Drive<L> {
     }
 
     fn capabilities(&self) -> Capabilities {
-        let mut capabilities = Capabilities::DEVICE_TIME;
+        let mut capabilities = Capabilities::DEVICE_TIME | Capabilities::CAPTURE;
         capabilities.set(Capabilities::BENCH_MODE, self.pins.is_some());
         capabilities.set(Capabilities::LOADER, self.loader != Loader::Absent);
         capabilities.set(Capabilities::STORE, self.store.is_some());
@@ -310,6 +317,7 @@ impl<L: LawSet> Drive<L> {
                 Reply::Torque(answer) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
+                    self.scope.step(None, || run.signals());
                     if self.subscription.is_due(sample.sequence)
                         && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &run.signals())
                     {
@@ -321,6 +329,7 @@ impl<L: LawSet> Drive<L> {
                 Reply::OfPins => self.refuse_sample(Outcome::WrongState, arrived),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
+                    self.scope.step(Some(&violation), || run.signals());
                     let fault = self.latch(violation, arrived);
                     self.send_zero_torque(sample.sequence, flags, arrived, clock);
                     self.output.send(fault);
@@ -346,6 +355,7 @@ impl<L: LawSet> Drive<L> {
         let Violation { code, value, limit, detail } = violation;
         let sequence = self.last_sequence;
         let report = FaultReport { code, sequence, value, limit, detail, device_time_us: None };
+        self.scope.fault();
         self.lifecycle.latch(report);
         report
     }

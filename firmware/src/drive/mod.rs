@@ -20,11 +20,13 @@
 //! | module | concept |
 //! |---|---|
 //! | `machine` | [`Drive`]: bytes in, one handler per request, bytes out |
-//! | `arming`, `refusal` | what `Subscribe`, `Arm` and `Start` check; why a request was refused |
+//! | `arming`, `refusal` | what `Subscribe`, `Capture`, `Arm` and `Start` check; why a request was refused |
 //! | `lifecycle` | the states above; each owns what only it has |
 //! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
 //! | `pin_run`, `pins` | a run on the pins; what they must show before |
+//! | `guard` | what ends a run on the pins without a host |
+//! | `zero` | the zero of both encoders |
 //! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
@@ -33,6 +35,7 @@
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
+//! | `scope` | a capture: signals around an event, at the rate of the loop |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
@@ -44,6 +47,7 @@ mod bench_sample;
 mod clock;
 mod control_loop;
 mod descriptions;
+mod guard;
 mod identity;
 mod lifecycle;
 mod line_counts;
@@ -60,10 +64,12 @@ mod pins;
 mod refusal;
 mod run;
 mod safety;
+mod scope;
 mod store;
 mod subscription;
 mod torque_answer;
 mod watchdog;
+mod zero;
 
 pub use clock::{Clock, ManualClock};
 pub use identity::{BUILD_ID, BUILD_IS_DIRTY, FIRMWARE_VERSION};

@@ -25,9 +25,7 @@ impl Subscription {
     /// carries.
     pub(super) fn requested(request: &Subscribe, table: &[Signal]) -> Result<Self, Outcome> {
         let Subscribe { signals, every } = *request;
-        if (signals as u64) >> table.len() != 0 {
-            return Err(Outcome::UnknownIndex);
-        }
+        check_indices(signals, table)?;
         if signals.count_ones() as usize > MAX_TELEMETRY_VALUES {
             return Err(Outcome::OutOfRange);
         }
@@ -39,11 +37,7 @@ impl Subscription {
     /// # Errors
     /// The first signal that the law lacks.
     pub(super) fn check(&self, law: u32, table: &[Signal]) -> Result<(), Refusal> {
-        let mut subscribed = (0..).zip(table).filter(|(index, _)| self.signals >> index & 1 != 0);
-        match subscribed.find(|(_, signal)| u32::from(signal.laws) >> law & 1 == 0) {
-            None => Ok(()),
-            Some((detail, _)) => Err(Refusal { outcome: Outcome::SignalOfOtherLaw, detail }),
-        }
+        check_law(self.signals, law, table)
     }
 
     /// Whether any sample has telemetry, if there are signals.
@@ -62,5 +56,25 @@ impl Subscription {
         let subscribed = all.iter().enumerate().filter(|(index, _)| self.signals >> index & 1 != 0);
         values.extend(subscribed.map(|(_, value)| *value).take(MAX_TELEMETRY_VALUES));
         TelemetryValues::new(&values).map(|values| Telemetry { sequence, values })
+    }
+}
+
+/// Checks that every bit stands for a signal.
+///
+/// # Errors
+/// [`Outcome::UnknownIndex`] if one doesn't.
+pub(super) fn check_indices(signals: u32, table: &[Signal]) -> Result<(), Outcome> {
+    if (signals as u64) >> table.len() == 0 { Ok(()) } else { Err(Outcome::UnknownIndex) }
+}
+
+/// Checks that a law has every one of these signals.
+///
+/// # Errors
+/// The first signal that the law lacks.
+pub(super) fn check_law(signals: u32, law: u32, table: &[Signal]) -> Result<(), Refusal> {
+    let mut named = (0..).zip(table).filter(|(index, _)| signals >> index & 1 != 0);
+    match named.find(|(_, signal)| u32::from(signal.laws) >> law & 1 == 0) {
+        None => Ok(()),
+        Some((detail, _)) => Err(Refusal { outcome: Outcome::SignalOfOtherLaw, detail }),
     }
 }

@@ -86,13 +86,14 @@ fn the_power_stage_is_off_on_the_way() {
 
 #[test]
 fn the_identity_says_what_the_drive_has() {
+    let any = Capabilities::DEVICE_TIME | Capabilities::CAPTURE;
     let cases = [
-        (Drive::new("test"), Capabilities::DEVICE_TIME),
-        (Drive::new("test").with_loader(), Capabilities::DEVICE_TIME | Capabilities::LOADER),
-        (Drive::with_pins("test", HARDWARE), Capabilities::DEVICE_TIME | Capabilities::BENCH_MODE),
+        (Drive::new("test"), any),
+        (Drive::new("test").with_loader(), any | Capabilities::LOADER),
+        (Drive::with_pins("test", HARDWARE), any | Capabilities::BENCH_MODE),
         (
             Drive::with_pins("test", HARDWARE).with_loader(),
-            Capabilities::DEVICE_TIME | Capabilities::BENCH_MODE | Capabilities::LOADER,
+            any | Capabilities::BENCH_MODE | Capabilities::LOADER,
         ),
     ];
     for (mut drive, want) in cases {

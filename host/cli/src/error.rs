@@ -30,6 +30,7 @@ use lashloop_record::diff::DiffError;
 use lashloop_record::export::ExportError;
 use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
+use lashloop_record::table::TableError;
 use lashloop_report::runs::DrawError;
 
 use super::png::PngError;
@@ -78,6 +79,8 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Export(#[from] ExportError),
+    #[error(transparent)]
+    Table(#[from] TableError),
     #[error(transparent)]
     Folder(#[from] FolderError),
     #[error(transparent)]
@@ -160,6 +163,7 @@ impl CliError {
             | Self::Rerun { .. }
             | Self::Replay(_)
             | Self::Export(_)
+            | Self::Table(_)
             | Self::Draw(_)
             | Self::Picture(_)
             | Self::NoSteps { .. }

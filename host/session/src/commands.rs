@@ -39,6 +39,7 @@ impl Session {
         self.values_set.clear();
         self.is_reset = true;
         self.subscription = Subscription::default();
+        self.capture = None;
         self.number = self.number.wrapping_add(1);
         self.identity = shake_hands(&mut self.line, self.number)?;
         Ok(())

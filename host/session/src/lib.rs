@@ -9,6 +9,7 @@
 //! | `parameter_access` | a parameter by its name |
 //! | `oddities` | what contradicts itself in a drive's description |
 //! | `subscribe` | the signals that telemetry carries |
+//! | `capture` | the signals that the drive captures around an event: [`CaptureRequest`], [`CapturedRows`] |
 //! | [`description`] | the drive's description of itself, read |
 //! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
@@ -32,6 +33,7 @@
 
 mod at_step;
 mod bench_reports;
+mod capture;
 mod client;
 mod commands;
 pub mod description;
@@ -59,6 +61,7 @@ mod timestamps;
 
 pub use at_step::AtStep;
 pub use bench_reports::BenchReport;
+pub use capture::{CaptureError, CaptureRequest, CapturedRows};
 pub use client::{Session, Traffic};
 pub use description::Description;
 pub use diagnosis::Diagnosis;

@@ -101,6 +101,9 @@ impl Reply {
                 "its memory refuses to be written; what was stored before is kept".to_owned()
             }
             (Outcome::StoreFailed, 2) => "its memory is full until the next power-up".to_owned(),
+            (Outcome::NotCaptured, 0) => "no capture was requested since the reset".to_owned(),
+            (Outcome::NotCaptured, 1) => "the event did not come".to_owned(),
+            (Outcome::NotCaptured, 2) => "rows are still to come after the event".to_owned(),
             // Nothing was refused, and what the request asked for is missing.
             (Outcome::Accepted, _) => "but without the answer that the request has".to_owned(),
             (_, 0) => return None,

@@ -6,6 +6,7 @@ mod gate_driver;
 #[allow(dead_code, reason = "a board may have no sensor")]
 mod adc;
 mod clock_tree;
+mod contacts;
 mod encoder;
 mod flash;
 mod ports;
@@ -41,6 +42,7 @@ impl Chip for Stm32f4 {
     type Usb = usb::Bus;
     type MotorEncoder = fitted::MotorEncoder;
     type LoadEncoder = fitted::LoadEncoder;
+    type Contacts = contacts::ContactPins;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
     type Sensor = fitted::Sensor;
@@ -97,12 +99,12 @@ impl Chip for Stm32f4 {
             spi3: device.SPI3,
             adc: (device.ADC1, device.ADC_COMMON),
         };
-        let (motor, load, stage, sensor) = fitted::start(bench_pins, blocks, &mut rcc);
+        let (motor, load, contacts, stage, sensor) = fitted::start(bench_pins, blocks, &mut rcc);
         let bench = clock.reason_against_bench_mode().is_none().then(|| {
             let tick = timers::Tim5::start(device.TIM5, &mut rcc);
             let monitor = timers::Tim2::start(device.TIM2, &mut rcc);
             watchdog::start(device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, sensor, tick, monitor }
+            Bench { motor, load, contacts, stage, sensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

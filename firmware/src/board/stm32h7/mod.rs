@@ -4,6 +4,7 @@
 //! drive is the same.
 
 mod clock_tree;
+mod contacts;
 mod encoder;
 mod flash;
 mod ports;
@@ -41,6 +42,7 @@ impl Chip for Stm32h7 {
     type Usb = usb::Bus;
     type MotorEncoder = fitted::MotorEncoder;
     type LoadEncoder = fitted::LoadEncoder;
+    type Contacts = contacts::ContactPins;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
     type Sensor = NoSensor;
@@ -96,12 +98,12 @@ impl Chip for Stm32h7 {
             tim3: (device.TIM3, blocks.TIM3),
             tim4: (device.TIM4, blocks.TIM4),
         };
-        let (motor, load, stage) = fitted::start(bench_pins, timers);
+        let (motor, load, contacts, stage) = fitted::start(bench_pins, timers);
         let bench = clock.reason_against_bench_mode().is_none().then(|| {
             let tick = timers::Tim5::start(device.TIM5, blocks.TIM5);
             let monitor = timers::Tim2::start(device.TIM2, blocks.TIM2);
             watchdog::start(&device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, sensor: NoSensor, tick, monitor }
+            Bench { motor, load, contacts, stage, sensor: NoSensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

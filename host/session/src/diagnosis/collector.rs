@@ -35,7 +35,7 @@ pub(crate) struct Collector {
     /// The last request with a number.
     request: Option<Numbered<HostMessage>>,
     /// Kinds of the requests sent, a bit each.
-    sent_kinds: u32,
+    sent_kinds: u64,
     /// Session of the last `Hello` sent.
     session: Option<u32>,
     /// Whether an awaited frame has ever arrived.
@@ -56,7 +56,7 @@ impl Collector {
         self.sent[self.next_sent] = Some(*message);
         self.next_sent = (self.next_sent + 1) % REMEMBERED;
         let layout = message.message.layout();
-        self.sent_kinds |= 1_u32.checked_shl(layout.kind.into()).unwrap_or(0);
+        self.sent_kinds |= 1_u64.checked_shl(layout.kind.into()).unwrap_or(0);
         if layout.has_number() {
             self.request = Some(*message);
         }
@@ -172,9 +172,9 @@ impl Collector {
     fn is_requested(&self, message: &DriveMessage) -> bool {
         use message::{
             DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EncoderSample, GetParameter,
-            Hello, SetParameter, Start, Stop,
+            Hello, ReadCapture, SetParameter, Start, Stop,
         };
-        let bit = |kind: u8| 1_u32.checked_shl(kind.into()).unwrap_or(0);
+        let bit = |kind: u8| 1_u64.checked_shl(kind.into()).unwrap_or(0);
         let causes = match message {
             DriveMessage::Identity(_) => bit(Hello::LAYOUT.kind),
             DriveMessage::ParameterDescription(_) => bit(DescribeParameter::LAYOUT.kind),
@@ -189,6 +189,7 @@ impl Collector {
             DriveMessage::ChoiceDescription(_) => bit(DescribeChoice::LAYOUT.kind),
             DriveMessage::TorqueAnswer(_) => bit(EncoderSample::LAYOUT.kind),
             DriveMessage::LineReport(_) => bit(Stop::LAYOUT.kind),
+            DriveMessage::CaptureRows(_) => bit(ReadCapture::LAYOUT.kind),
             DriveMessage::BenchSample(_) => bit(Start::LAYOUT.kind),
             DriveMessage::Telemetry(_) | DriveMessage::FaultReport(_) | DriveMessage::Log(_) => return true,
         };
