@@ -142,6 +142,7 @@ impl CliError {
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
+            | Self::NoStore
             | Self::Unconfirmed
             | Self::Scenario(_)
             | Self::NoPlantAtPins { .. }
