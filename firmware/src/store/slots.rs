@@ -135,7 +135,8 @@ impl Store {
 }
 
 fn is_blank(memory: &dyn Memory, first: usize, lines: usize) -> bool {
-    (first..first + lines).all(|line| memory.read(line) == Some(BLANK))
+    (first..first + lines)
+        .all(|line| memory.read(line).is_some_and(|words| words.iter().all(|word| *word == u32::MAX)))
 }
 
 fn is_valid(memory: &dyn Memory, record: &Record, check: u32) -> bool {

@@ -52,6 +52,11 @@ pub(crate) enum CliError {
     ReportOverInput { path: PathBuf },
     #[error(transparent)]
     Settings(SettingsError),
+    #[error(
+        "the drive has no memory for parameters (capability STORE): save them by `lashloop parameters dump` and set them by \
+         `restore`"
+    )]
+    NoStore,
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
@@ -137,6 +142,7 @@ impl CliError {
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
+            | Self::NoStore
             | Self::Unconfirmed
             | Self::Scenario(_)
             | Self::NoPlantAtPins { .. }
