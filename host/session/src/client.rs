@@ -7,7 +7,7 @@ use lashloop_link::Link;
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::Identity;
 
-use crate::capture::CaptureRequest;
+use crate::capture_request::CaptureRequest;
 use crate::description::Description;
 use crate::error::SessionError;
 use crate::handshake::shake_hands;

@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use tests::paper::PATIENCE;
 use tests::program::{self, lashloop};
 use tests::records::Records;
 use tests::terminal::{self, Terminal};

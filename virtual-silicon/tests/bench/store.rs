@@ -95,7 +95,10 @@ fn stored_parameters_are_in_force_after_a_reset_until_they_are_forgotten() {
     restart(&mut host, START);
     assert_eq!(values(&mut host), defaults);
     assert_eq!(host.bench.act(|chip, _| chip.resets()), 2, "none by the watchdog");
-    report::write("store-silicon", &[format!("a store on virtual silicon ({WITH_MODEL}): {took:?}, answer included")]);
+    report::write(
+        "store-silicon",
+        &[format!("a store on virtual silicon ({WITH_MODEL}): {took:?}, answer included")],
+    );
 }
 
 #[test]
@@ -185,9 +188,11 @@ fn start_of(image: &Symbols, kept: (u64, Vec<u8>)) -> Duration {
 fn a_start_that_erases_takes_two_seconds_and_no_other() {
     let (board, sector) = OTHERS[0];
     let in_second = (sector + SECTOR_BYTES, vec![0; 32]);
-    let [blank, erasing] =
-        [(sector, vec![0xff; 32]), in_second].map(|kept| start_of(&image_of(board), kept));
+    let [blank, erasing] = [(sector, vec![0xff; 32]), in_second].map(|kept| start_of(&image_of(board), kept));
     assert!(blank < START, "{blank:?}");
     assert!((Duration::from_millis(900)..Duration::from_millis(2_100)).contains(&erasing), "{erasing:?}");
-    report::write("store-start", &[format!("start of {board} on virtual silicon: {blank:?}, and {erasing:?} if it erases a sector")]);
+    report::write(
+        "store-start",
+        &[format!("start of {board} on virtual silicon: {blank:?}, and {erasing:?} if it erases a sector")],
+    );
 }

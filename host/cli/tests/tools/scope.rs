@@ -17,7 +17,7 @@ const LEVEL_RAD: f64 = 0.01;
 fn run(out: &Path, settings: &[&str]) -> (Option<i32>, String) {
     let scenario = root().join("scenarios/smooth-after.toml");
     let mut arguments = vec!["run", scenario.to_str().unwrap(), "--out", out.to_str().unwrap()];
-    let short = ["run.duration_s=1.5", "telemetry.every_steps=1", "expect=[]"];
+    let short = ["run.duration_s=5", "telemetry.every_steps=1", "expect=[]"];
     arguments.extend(short.iter().chain(settings).flat_map(|setting| ["--set", setting]));
     let ended = lashloop(&arguments, &[]);
     (ended.status.code(), format!("{}{}", text(&ended.stderr), text(&ended.stdout)))
@@ -93,6 +93,7 @@ fn rows_beyond_the_memory_of_the_drive_are_an_error_before_the_run() {
 fn a_later_record_in_the_folder_drops_the_capture_of_the_earlier_one() {
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(run(folder.path(), &AT_TWIST).0, Some(0));
+    assert!(folder.path().join("scope.csv").exists());
     let scenario = root().join("scenarios/smooth-after.toml");
     let [scenario, out] = [&scenario, folder.path()].map(|path| path.to_str().unwrap());
     let short = ["--set", "run.duration_s=0.1", "--set", "expect=[]"];
