@@ -210,6 +210,9 @@ static void handle(struct drive *drive, const uint8_t *body)
     case LASHLOOP_ENTER_LOADER_KIND: /* nor a boot loader */
         send_result(drive, LASHLOOP_OUTCOME_WRONG_STATE);
         break;
+    default: /* it stores and captures nothing, and has no encoders */
+        send_result(drive, LASHLOOP_OUTCOME_UNKNOWN_REQUEST);
+        break;
     }
 }
 

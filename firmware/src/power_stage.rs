@@ -4,27 +4,11 @@
 //! Many amplifiers take a duty near 0 or 1 for a broken wire, so the duty stays within `min` and `max`. Bridges have other
 //! inputs: [`StageMode`] has them.
 
+pub use crate::bridge_limits::{BridgeLimits, LARGEST_OFFSET, OVERCURRENT, PowerStageFault};
 use crate::direction::Direction;
 use crate::law::{ParameterError, ROUNDING, Real};
 pub use crate::stage_mode::{StageChoice, StageMode};
-use crate::torque::{BridgeReading, Motor, TorqueControl, TorqueSource};
-
-/// What a power stage reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PowerStageFault {
-    /// The break input of the timer switched the outputs off.
-    BreakInput = 1,
-    /// The fault line of the bridge or amplifier is active.
-    FaultLine = 2,
-    /// The bridge has no supply, or too little, or its driver doesn't answer.
-    NoSupply = 3,
-    /// A current of the bridge was too large.
-    Overcurrent = 4,
-    /// The bridge is too hot.
-    Overtemperature = 5,
-    /// The sensor of the current doesn't show the middle of its range while the bridge is off.
-    CurrentSensor = 6,
-}
+use crate::torque::{BridgeReading, Motor, SensorCheck, TorqueControl, TorqueSource};
 
 /// From a torque to the duties of both channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,25 +35,9 @@ pub struct Modulation {
     pub direction: Direction,
 }
 
-/// The drive switches a bridge off beyond this multiple of the largest current that a command may have.
-pub const OVERCURRENT: f32 = 1.5;
-/// Largest offset of a sensor that works, as a part of its range.
-pub const LARGEST_OFFSET: f32 = 0.1;
-
-/// What a bridge and its sensors can do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BridgeLimits {
-    /// Voltage of the bus, in V, where nothing measures it.
-    pub supply_v: f32,
-    /// Current in A that takes the converter from the middle to its end.
-    pub current_range_a: f32,
-    /// Whether the sensor shows more for a positive duty.
-    pub current_direction: Direction,
-    /// Voltage of the bus in V at the end of the converter.
-    pub supply_range_v: f32,
-    /// Largest current in A.
-    pub current_limit_a: f32,
-}
+/// Noise and steps of a current sensor, and what its check tolerates besides, as a part of range and limit.
+const NOISE: f32 = 1.0 / 128.0;
+const TOLERANCE: f32 = 0.1;
 
 impl Modulation {
     /// Checks that every torque up to `torque_limit_nm`, in either direction, has a duty.
@@ -137,6 +105,14 @@ impl Modulation {
         TorqueControl::by_current(self.motor, 1.0 / self.frequency_hz as f32, self.largest_duty())
     }
 
+    /// The check of the sensor that measures the current.
+    #[must_use]
+    pub fn sensor_check(&self) -> SensorCheck {
+        let BridgeLimits { current_range_a, current_limit_a, .. } = self.bridge;
+        let period_s = 1.0 / self.frequency_hz as f32;
+        SensorCheck::new(self.motor, period_s, NOISE * current_range_a, TOLERANCE * current_limit_a)
+    }
+
     /// The high times of channels 1 and 2 for a mean voltage of a bridge as a fraction of the bus, -1 to 1.
     #[must_use]
     pub fn bridge_channels(&self, duty: f32) -> [f32; 2] {
@@ -199,6 +175,9 @@ pub(crate) mod tests {
             current_direction: Direction::Forward,
             supply_range_v: 60.0,
             current_limit_a: 40.0,
+            supply_min_v: 10.0,
+            supply_max_v: 50.0,
+            brake_on_v: 45.0,
         },
         nm_per_full_duty: 20.0,
         offset: 0.5,

@@ -154,8 +154,9 @@ impl DriveTrain {
         let Some(motor) = &mut self.motor_at_bridge else { return Ok(STEP) };
         if !elapsed.is_zero() {
             self.torque_nm = motor.step(&*self.plant, elapsed.as_secs_f64());
+            let shown = elapsed.min(motor.least_half_period());
             // Its edges are shown half a period late: their instants lie behind.
-            self.step_plant(now, elapsed)?;
+            self.step_plant(now, elapsed, shown)?;
         }
         let Some(motor) = &mut self.motor_at_bridge else { return Ok(STEP) };
         motor.look(chip);
@@ -165,12 +166,14 @@ impl DriveTrain {
 
     fn step(&mut self, now: Duration, step: Duration, chip: &mut Pins<'_>) -> Result<Duration> {
         self.torque_nm = chip.driving().map_or(0.0, |duty| (2.0 * duty - 1.0) * self.scales.nm_per_full_duty);
-        self.step_plant(now, step)?;
+        self.step_plant(now, step, step)?;
         Ok(step)
     }
 
-    /// Steps the plant, whose edges come from now on.
-    fn step_plant(&mut self, now: Duration, step: Duration) -> Result<()> {
+    /// Steps the plant, whose edges come from now on within a time, and after all earlier ones: a channel that overtakes the other one
+    /// turns the count the wrong way.
+    fn step_plant(&mut self, now: Duration, step: Duration, shown: Duration) -> Result<()> {
+        let first = self.edges.back().map_or(now, |(last, ..)| now.max(*last));
         let before = counts(&*self.plant, &self.scales);
         self.plant.step(self.torque_nm, step.as_secs_f64()).context("the plant can't be followed")?;
         let after = counts(&*self.plant, &self.scales);
@@ -186,7 +189,7 @@ impl DriveTrain {
                 // The count changes where the position passes the greater of its two sides.
                 let passed = count.max(quadrature.count()) as f64;
                 let fraction = ((passed - from) / (to - from)).clamp(0.0, 1.0);
-                self.edges.push_back((now + step.mul_f64(fraction), encoder, edge, quadrature.count()));
+                self.edges.push_back((first + shown.mul_f64(fraction), encoder, edge, quadrature.count()));
             }
         }
         self.edges.make_contiguous().sort_by_key(|(at, ..)| *at);

@@ -7,9 +7,6 @@ use lashloop_plant::electrical::{Bridge, Circuit, CurrentSensor, ElectricalParam
 
 use crate::pins::Pins;
 
-/// Voltage of the chip: the end of the range of its converters.
-const CONVERTER_V: f64 = 3.3;
-
 /// From the middle between two samples to the look at what is driven from there on.
 const LATER: Duration = Duration::from_nanos(200);
 
@@ -80,12 +77,16 @@ impl MotorAtBridge {
         // Outputs that are off are low, and so is the enable line of a bridge that has one.
         self.bridge = duty.filter(|_| shown.has_main_output).map_or(Bridge::Off, Bridge::Driving);
         let current = self.sensor.read(self.circuit.parameters(), self.circuit.current_a());
-        let current_v = 0.5 * CONVERTER_V * (1.0 + current);
-        chip.drive_bridge_sensor(current_v, CONVERTER_V * self.circuit.bus_v() / self.bus_range_v);
+        chip.drive_bridge_sensor(0.5 * (1.0 + current), self.circuit.bus_v() / self.bus_range_v);
     }
 
     /// Half a period of the modulation, and a little: a new duty takes effect in the middle between two samples.
     pub(crate) fn half_period(&self) -> Duration {
         Duration::from_secs_f64(0.5 / self.circuit.parameters().pwm_hz) + LATER
+    }
+
+    /// The other half, up to the next sample.
+    pub(crate) fn least_half_period(&self) -> Duration {
+        self.half_period() - 2 * LATER
     }
 }

@@ -71,8 +71,8 @@ pub(crate) trait Part: fmt::Debug + Send {
     /// Drives a pin from outside, or releases it.
     fn drive_pin(&mut self, at: VirtualNanos, pin: Pin, level: Option<Level>);
 
-    /// Puts a voltage on an analog pin of the converters that TIM1 starts.
-    fn drive_analog(&mut self, _pin: Pin, _millivolts: u32) {}
+    /// Puts the voltage of a code on an analog pin of the converters that TIM1 starts.
+    fn drive_analog(&mut self, _pin: Pin, _code: u16) {}
 
     /// Drives the input of a channel of a general-purpose timer.
     fn drive_timer(&mut self, at: VirtualNanos, timer: Timer, channel: Channel, level: Level);

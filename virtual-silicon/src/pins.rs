@@ -17,11 +17,13 @@ use crate::centred_pulse::centred_pulse;
 use crate::chip::Chip;
 use crate::gate_driver::GateDriver;
 use crate::inputs::{self, Inputs, is_configured, is_connected};
-use crate::part::{Driven, SUPPLY_MV};
+use crate::part::Driven;
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
-use crate::wiring::{Encoder, Pin, TimerOutput, Wiring};
+use crate::wiring::{ContactPins, Encoder, Pin, TimerOutput, Wiring};
 
+/// Codes of a converter.
+const CODES: f64 = 4096.0;
 /// ADON of ADC_CR2.
 const CONVERTERS_ON: u64 = 1 << 0;
 /// The output that carries the duty.
@@ -123,13 +125,25 @@ impl<'a> Pins<'a> {
         }
     }
 
-    /// Puts voltages on the pins of the current sensor and of the divided bus. A board may have neither.
-    pub fn drive_bridge_sensor(&mut self, current_v: f64, bus_v: f64) {
+    /// Pins of the contacts.
+    #[must_use]
+    pub fn contacts(&self) -> &ContactPins {
+        &self.wiring.contacts
+    }
+
+    /// Closes a contact of [`Wiring::contacts`], or opens it.
+    pub fn close_contact(&mut self, pin: Pin, does: bool) {
+        self.drive_pin(pin, does.then_some(false));
+    }
+
+    /// Puts voltages on the pins of the current sensor and of the divided bus, as fractions of the converters' range. A board may have
+    /// neither.
+    pub fn drive_bridge_sensor(&mut self, current: f64, bus: f64) {
         let bridge = &self.wiring.bridge;
-        for (pin, volts) in [(bridge.current, current_v), (bridge.bus, bus_v)] {
+        for (pin, fraction) in [(bridge.current, current), (bridge.bus, bus)] {
             if let Some(pin) = pin {
-                let millivolts = (1e3 * volts).round().clamp(0.0, SUPPLY_MV.into()) as u32;
-                self.session.board_mut().part.drive_analog(pin, millivolts);
+                let code = (CODES * fraction).clamp(0.0, CODES - 1.0) as u16;
+                self.session.board_mut().part.drive_analog(pin, code);
             }
         }
     }

@@ -18,6 +18,9 @@ use crate::part::{Bits, Driven, Part, Registers, SUPPLY_MV, TIM1, channel_of, po
 use crate::serial_line::SerialLine;
 use crate::wiring::{Pin, Timer, TimerOutput};
 
+/// The last code of a converter.
+const LAST_CODE: u32 = 4095;
+
 const REGISTERS: Registers = Registers {
     ports: 0x4002_0000,
     clock_control: 0x4002_3800,
@@ -82,10 +85,12 @@ impl Part for Stm32f427 {
     }
 
     /// Inputs 0 to 7 of ADC1 are at port A, 8 and 9 at port B, 10 to 15 at port C.
-    fn drive_analog(&mut self, pin: Pin, millivolts: u32) {
+    fn drive_analog(&mut self, pin: Pin, code: u16) {
         let first = [0, 8, 10][pin.port.min(2)];
         if let Some(channel) = adc::Channel::new(first + pin.pin) {
-            self.adc[0].set_input(channel, millivolts);
+            // In whole millivolts of 3300 a fifth of the codes would have no voltage.
+            self.adc[0].set_reference(LAST_CODE);
+            self.adc[0].set_input(channel, code.into());
         }
     }
 

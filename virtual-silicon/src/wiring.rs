@@ -245,9 +245,25 @@ pub struct BridgePins {
     pub current: Option<Pin>,
     /// Voltage of the bus, divided.
     pub bus: Option<Pin>,
+    /// Switch of a brake resistor; a board may have none.
+    pub brake: Option<Pin>,
     /// Gates that stay off.
     #[serde(default)]
     pub unused_gates: Vec<Pin>,
+}
+
+/// Inputs for contacts to ground.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactPins {
+    /// Enable contact.
+    pub enable: Pin,
+    /// Limit switch towards negative positions.
+    pub negative_limit: Pin,
+    /// Limit switch towards positive positions.
+    pub positive_limit: Pin,
+    /// Home switch.
+    pub home: Pin,
 }
 
 /// A gate driver at a serial interface.
@@ -285,6 +301,8 @@ pub struct Wiring {
     pub load: EncoderPins,
     /// The power stage.
     pub bridge: BridgePins,
+    /// Inputs for contacts.
+    pub contacts: ContactPins,
     /// The gate driver; a board may have none.
     pub gate_driver: Option<GateDriverPins>,
 }
@@ -335,11 +353,16 @@ impl Wiring {
             ("load.a", self.load.a, ALTERNATE),
             ("load.b", self.load.b, ALTERNATE),
             ("bridge.enable", bridge.enable, Mode::Output),
+            ("contacts.enable", self.contacts.enable, Mode::Input),
+            ("contacts.negative_limit", self.contacts.negative_limit, Mode::Input),
+            ("contacts.positive_limit", self.contacts.positive_limit, Mode::Input),
+            ("contacts.home", self.contacts.home, Mode::Input),
         ];
         uses.extend(bridge.outputs.map(|pin| ("bridge.outputs", pin, ALTERNATE)));
         uses.extend(bridge.complements.map(|pin| ("bridge.complements", pin, ALTERNATE)));
         uses.extend(bridge.current.map(|pin| ("bridge.current", pin, Mode::Analog)));
         uses.extend(bridge.bus.map(|pin| ("bridge.bus", pin, Mode::Analog)));
+        uses.extend(bridge.brake.map(|pin| ("bridge.brake", pin, Mode::Output)));
         uses.extend(bridge.break_input.map(|pin| ("bridge.break_input", pin, ALTERNATE)));
         uses.extend(bridge.unused_gates.iter().map(|pin| ("bridge.unused_gates", *pin, Mode::Input)));
         uses.extend(self.high.iter().map(|pin| ("high", *pin, Mode::Output)));

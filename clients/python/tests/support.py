@@ -39,7 +39,7 @@ SOON_S = 90.0
 """Deadline for events that are immediate on an idle machine; sufficient on a busy one."""
 
 
-PAGES = ("", "/bytes", "/lashloop-drive", "/profile-pd", "/bench-mode")
+PAGES = ("", "/bytes", "/lashloop-drive", "/profile-pd", "/bench-mode", "/options")
 """Pages of the specification: the one of the protocol, then its annexes."""
 
 

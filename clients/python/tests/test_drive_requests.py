@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State
+from lashloop.enums import CaptureTrigger, FaultCode, Outcome, ParameterType, ParameterValue, State, ZeroSource
 from lashloop.frames import encode, open_frame
 from lashloop.layout import has_number
 from lashloop.limits import MINOR_VERSION, PROTOCOL_VERSION
 from lashloop.messages import (
     HOST_MESSAGES,
     Arm,
+    Capture,
     ClearFault,
     CommandResult,
     DescribeChoice,
@@ -25,17 +26,22 @@ from lashloop.messages import (
     EncoderSample,
     EnterLoader,
     FaultReport,
+    ForgetParameters,
     GetParameter,
     Hello,
     HostMessage,
     Identity,
     LineReport,
     ParameterReport,
+    ReadCapture,
+    RecallParameters,
     Reference,
     Reset,
     SetParameter,
+    SetZero,
     Start,
     Stop,
+    StoreParameters,
     Subscribe,
     TorqueAnswer,
 )
@@ -190,6 +196,23 @@ def test_there_is_neither_a_boot_loader_nor_bench_mode() -> None:
         for request in (EnterLoader(SESSION), EnterLoader(OTHER), Reference(7, 0.0)):
             result = dut.only(CommandResult, request)
             assert (result.request, result.outcome) == (request.KIND, Outcome.WRONG_STATE)
+            assert result.state is dut.drive.state
+
+
+def test_nothing_is_stored_or_captured_and_there_are_no_encoders() -> None:
+    requests = (
+        StoreParameters(),
+        RecallParameters(),
+        ForgetParameters(),
+        SetZero(ZeroSource.PRESENT),
+        Capture(1, 1, 0, CaptureTrigger.NOW, 0, 0.0),
+        ReadCapture(0),
+    )
+    for enter in ENTER.values():
+        dut = enter()
+        for request in requests:
+            result = dut.only(CommandResult, request)
+            assert (result.request, result.outcome) == (request.KIND, Outcome.UNKNOWN_REQUEST)
             assert result.state is dut.drive.state
 
 

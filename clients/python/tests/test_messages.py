@@ -13,6 +13,7 @@ import pytest
 from lashloop import frames, limits, messages
 from lashloop.enums import (
     Capabilities,
+    CaptureTrigger,
     FaultCode,
     LogLevel,
     Outcome,
@@ -24,6 +25,7 @@ from lashloop.enums import (
     TorqueStatus,
     Version,
     WireEnum,
+    ZeroSource,
     shortest,
     single,
 )
@@ -43,7 +45,14 @@ from support import WORKSPACE, document, sealed, table
 
 GOLDEN = json.loads((WORKSPACE / "protocol/golden/v1.json").read_text())
 ALL: tuple[type[Message], ...] = (*HOST_MESSAGES, *DRIVE_MESSAGES)
-LISTS: dict[str, type[WireEnum]] = {"state": State, "outcome": Outcome, "code": FaultCode, "level": LogLevel}
+LISTS: dict[str, type[WireEnum]] = {
+    "state": State,
+    "outcome": Outcome,
+    "code": FaultCode,
+    "level": LogLevel,
+    "source": ZeroSource,
+    "trigger": CaptureTrigger,
+}
 
 
 def direction(kind: int) -> Any:
@@ -65,7 +74,7 @@ def from_json(name: str, value: Any, flags: type[TorqueFlags | ParameterFlags] =
         return Capabilities(sum(Capabilities[flag] for flag in value))
     if name == "firmware":
         return Version(*map(int, value.split(".")))
-    if name in LISTS:
+    if name in LISTS and isinstance(value, str):
         return next(it for it in LISTS[name] if it.label == value)
     return single(value) if isinstance(value, float) else value
 
@@ -114,7 +123,7 @@ def test_layouts_are_those_of_the_specification(message: type[Message]) -> None:
 
 @pytest.mark.parametrize(
     "values",
-    [State, FaultCode, Outcome, LogLevel, ParameterType],
+    [State, FaultCode, Outcome, LogLevel, ParameterType, ZeroSource, CaptureTrigger],
 )
 def test_lists_are_those_of_the_specification(values: type[WireEnum]) -> None:
     rows = [(int(row[0]), row[1]) for row in table(f"### {values.__name__}")]
@@ -218,7 +227,7 @@ def test_a_whole_frame_that_is_no_message_is_rejected(body: bytes) -> None:
 
 @pytest.mark.parametrize(
     ("body", "number"),
-    [(b"\x20\x09abc", 9), (b"\x7f\xff", 255), (b"\x7f", 0), (b"\x1f\x09", 0), (b"\x16", 0)],
+    [(b"\x30\x09abc", 9), (b"\x7f\xff", 255), (b"\x7f", 0), (b"\x1f\x09", 0), (b"\x16", 0)],
     ids=["with fields", "without fields", "kind alone", "without a number", "without a number alone"],
 )
 def test_a_kind_of_a_newer_peer_is_unknown_and_has_a_number(body: bytes, number: int) -> None:
@@ -298,9 +307,14 @@ def body_of(message: Message, number: int = 0) -> bytes:
     return frames.open_frame(frames.encode(message, number)[:-1])
 
 
+OF_LISTS = (messages.SetParameter, messages.SetZero, messages.Capture)
+"""Messages with a field of which 0 isn't a value."""
+
 ONE_OF_EACH: list[Message] = [
-    *(it(*(0 for _ in LAYOUTS[it].fields)) for it in HOST_MESSAGES if it is not messages.SetParameter),
+    *(it(*(0 for _ in LAYOUTS[it].fields)) for it in HOST_MESSAGES if it not in OF_LISTS),
     messages.SetParameter(0, ParameterValue.f32(1.5)),
+    messages.SetZero(ZeroSource.PRESENT),
+    messages.Capture(1, 2, 3, CaptureTrigger.RISING, 4, 5.0),
     messages.ParameterReport(1, Outcome.ACCEPTED, ParameterValue.u32(2), State.IDLE),
     messages.LineReport(1, 2, 3, 4),
     messages.CommandResult(5, Outcome.INCONSISTENT, State.IDLE, 6),

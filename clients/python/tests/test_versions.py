@@ -179,13 +179,13 @@ def test_a_fault_that_arrives_before_another_answer_is_named_on_request() -> Non
 
 
 def refusing(answer: Callable[[CommandResult | ParameterReport], DriveMessage]) -> SimulatedLink:
-    """A link to a drive that changes its answers to `Arm` and `SetParameter`, and names the outcome 14."""
+    """A link to a drive that changes its answers to `Arm` and `SetParameter`, and names the outcome 77."""
     link = SimulatedLink()
 
     def alters(message: DriveMessage) -> Altered:
         request = link.sent[-1]
-        if request == DescribeChoice(limits.OUTCOME_NAMES, 14):
-            return [ChoiceDescription(limits.OUTCOME_NAMES, 14, "TooHot")]
+        if request == DescribeChoice(limits.OUTCOME_NAMES, 77):
+            return [ChoiceDescription(limits.OUTCOME_NAMES, 77, "TooHot")]
         if isinstance(message, ParameterReport) or (isinstance(message, CommandResult) and message.request == Arm.KIND):
             return [answer(message)]
         return [message]
@@ -197,10 +197,10 @@ def refusing(answer: Callable[[CommandResult | ParameterReport], DriveMessage]) 
 @pytest.mark.parametrize(
     ("outcome", "detail", "expected"),
     [
-        (Outcome(14), 0, "TooHot"),
-        (Outcome(14), 3, "TooHot (detail 3)"),
-        (Outcome(15), 0, "unknown 15"),
-        (Outcome(15), 3, "unknown 15 (detail 3)"),
+        (Outcome(77), 0, "TooHot"),
+        (Outcome(77), 3, "TooHot (detail 3)"),
+        (Outcome(78), 0, "unknown 78"),
+        (Outcome(78), 3, "unknown 78 (detail 3)"),
         (Outcome.WRONG_STATE, 0, "WrongState"),
         (Outcome.WRONG_STATE, 4, "WrongState (detail 4)"),
         (Outcome.INCONSISTENT, 1, "Inconsistent (period_us does not go with the other parameters)"),

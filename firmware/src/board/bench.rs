@@ -12,7 +12,7 @@ use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
 use super::pac::Interrupt;
-use super::parts::{BridgeSensor as _, PeriodTimer as _, StageLines as _};
+use super::parts::{BridgeSensor as _, ContactInputs as _, PeriodTimer as _, StageLines as _};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::actuator::Actuator;
@@ -43,6 +43,7 @@ pub struct Tick {
     filter_ns: u32,
     motor: Encoder<<Fitted as Chip>::MotorEncoder>,
     load: Encoder<<Fitted as Chip>::LoadEncoder>,
+    contacts: <Fitted as Chip>::Contacts,
     clock: DeviceClock,
 }
 
@@ -50,13 +51,25 @@ impl Tick {
     /// Starts ticking with this period.
     pub(super) fn start(
         timer: <Fitted as Chip>::Tick,
-        (motor, load): (<Fitted as Chip>::MotorEncoder, <Fitted as Chip>::LoadEncoder),
+        (motor, load, contacts): (
+            <Fitted as Chip>::MotorEncoder,
+            <Fitted as Chip>::LoadEncoder,
+            <Fitted as Chip>::Contacts,
+        ),
         clock: DeviceClock,
         period: Duration,
     ) -> Self {
         let (motor, load) = (Encoder::new(motor), Encoder::new(load));
-        let mut tick =
-            Self { timer, period: Duration::ZERO, overdue_us: u32::MAX, filter_ns: 0, motor, load, clock };
+        let mut tick = Self {
+            timer,
+            period: Duration::ZERO,
+            overdue_us: u32::MAX,
+            filter_ns: 0,
+            motor,
+            load,
+            contacts,
+            clock,
+        };
         tick.set_period(period);
         tick
     }
@@ -99,6 +112,7 @@ impl Tick {
         let readings = PinReadings {
             motor: self.motor.read(),
             load: self.load.read(),
+            contacts: self.contacts.closed(),
             stage_fault: stage.fault(),
             torque_nm,
         };

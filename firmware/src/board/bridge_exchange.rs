@@ -55,6 +55,9 @@ pub(super) static FAULT: Shared<Option<PowerStageFault>> = Shared::new(None);
 /// Whether the sensor's offset is plausible; `None` until it is known.
 pub(super) static OFFSET_IS_PLAUSIBLE: Shared<Option<bool>> = Shared::new(None);
 
+/// Whether the bus had a voltage when it was last read with the bridge off.
+pub(super) static HAS_BUS: Shared<bool> = Shared::new(true);
+
 /// Begins a run at no torque. The bridge is still off.
 pub(super) fn begin(modulation: Modulation, period_counts: u16) {
     COMMAND.set(NO_TORQUE);

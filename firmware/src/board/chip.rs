@@ -9,9 +9,12 @@ use cortex_m::interrupt::InterruptNumber;
 use usb_device::bus::UsbBus;
 
 use super::clock_source::ClockSource;
-use super::parts::{BridgeSensor, EncoderInput, PeriodTimer, PwmTimer, Receiver, StageLines, Transmitter};
+use super::parts::{
+    BridgeSensor, ContactInputs, EncoderInput, PeriodTimer, PwmTimer, Receiver, StageLines, Transmitter,
+};
 use super::pwm_stage::PwmStage;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use crate::usb::UsbLine;
 
 /// A chip family, with the board that is fitted.
@@ -30,6 +33,8 @@ pub trait Chip: Sized + 'static {
     type MotorEncoder: EncoderInput;
     /// Counter of the load encoder.
     type LoadEncoder: EncoderInput;
+    /// Inputs for contacts.
+    type Contacts: ContactInputs;
     /// Timer of the power stage.
     type Pwm: PwmTimer;
     /// The board's lines to its power stage.
@@ -41,6 +46,8 @@ pub trait Chip: Sized + 'static {
     /// Timer of the monitor; its interrupt is TIM2.
     type Monitor: PeriodTimer;
 
+    /// The memory of the store.
+    const STORE: &'static dyn Memory;
     /// Name of the board.
     const BOARD: &'static str;
     /// The chip, as probe-rs names it.
@@ -97,6 +104,8 @@ pub struct Bench<C: Chip> {
     pub motor: C::MotorEncoder,
     /// Counter of the load encoder.
     pub load: C::LoadEncoder,
+    /// Inputs for contacts.
+    pub contacts: C::Contacts,
     /// The power stage, off.
     pub stage: PwmStage<C::Pwm, C::StageLines>,
     /// The sensor of the bridge.

@@ -1,5 +1,6 @@
 //! The parts of a chip that the drive uses, each a trait, and what all of them share.
 
+use crate::contact::Contacts;
 use crate::input_filter::FILTERS;
 use crate::power_stage::{PowerStageFault, StageMode};
 
@@ -44,6 +45,9 @@ pub trait StageLines: Send + 'static {
     /// The fault that the lines show. To be called once per tick, with whether the outputs are off.
     fn fault(&mut self, is_off: bool) -> Option<PowerStageFault>;
 
+    /// Switches a brake resistor at the bus on or off, from any code. A board may have none.
+    fn set_brake(_is_on: bool) {}
+
     /// Switches the stage off, from any code: the main output of the timer, and the board's own lines. Not inlined: tests on virtual
     /// silicon remove this function from the image, and then every cause has to fail.
     fn switch_off();
@@ -86,6 +90,12 @@ pub trait EncoderInput: Send + 'static {
 
     /// Levels of channels A and B at the pins.
     fn levels(&self) -> (bool, bool);
+}
+
+/// Inputs with pull-ups, each to be closed to ground: enable, both limit switches, home switch.
+pub trait ContactInputs: Send + 'static {
+    /// The contacts that are closed.
+    fn closed(&self) -> Contacts;
 }
 
 /// Converters of a bridge's current and of the voltage of its bus, which the timer of the modulation starts in the middle of each

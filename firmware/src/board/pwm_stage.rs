@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use super::bridge_exchange::{self, BridgeCommand, COMMAND, FAULT, OFFSET_IS_PLAUSIBLE, RUN};
+use super::bridge_exchange::{self, BridgeCommand, COMMAND, FAULT, HAS_BUS, OFFSET_IS_PLAUSIBLE, RUN};
 use super::parts::{CORE_HZ, Outputs, PwmTimer, StageLines};
 use crate::actuator::PowerStage;
 use crate::power_stage::{Modulation, PowerStageFault, StageMode};
@@ -103,9 +103,14 @@ impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
         }
         // From the preload to counter and comparator before the output is on.
         self.timer.update();
-        // The monitor of the tick interrupts tasks; between read and write its trip would be undone.
-        cortex_m::interrupt::free(|_| self.timer.enable_outputs());
-        self.lines.enable();
+        // The monitor of the tick and the loop interrupt tasks; between read and write their trip would be undone, and so would one
+        // since the run began.
+        cortex_m::interrupt::free(|_| {
+            if FAULT.get().is_none() {
+                self.timer.enable_outputs();
+                self.lines.enable();
+            }
+        });
     }
 
     fn apply(&mut self, torque_nm: f32, speed_rad_s: f32) {
@@ -132,6 +137,8 @@ impl<T: PwmTimer, S: StageLines> PowerStage for PwmStage<T, S> {
         let of_lines = self.lines.fault(self.modulation.is_none());
         let of_loop = of_lines.or_else(bridge_exchange::take_fault);
         let has_no_offset = self.needs_sensor && OFFSET_IS_PLAUSIBLE.get() != Some(true);
-        of_loop.or((has_no_offset || self.is_blind()).then_some(PowerStageFault::CurrentSensor))
+        let of_sensor = (has_no_offset || self.is_blind()).then_some(PowerStageFault::CurrentSensor);
+        let is_off = self.needs_sensor && self.modulation.is_none() && !HAS_BUS.get();
+        of_loop.or(of_sensor).or(is_off.then_some(PowerStageFault::NoSupply))
     }
 }

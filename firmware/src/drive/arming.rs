@@ -74,6 +74,7 @@ impl<L: LawSet> Drive<L> {
             (Some(parameters), Some(pins)) => {
                 let modulation = parameters.modulation(pins.hardware())?;
                 modulation.check(self.parameters.drive().torque_limit_nm)?;
+                parameters.check_travel()?;
                 Some(pins.hardware().limits(parameters.encoder_filter_ns)?)
             }
             _ => None,
@@ -108,7 +109,12 @@ impl<L: LawSet> Drive<L> {
 
     /// Whether the pins allow torque; `Ok` in HIL mode.
     fn check_pins(&self) -> Result<(), Refusal> {
-        let (Some(pins), Some(_)) = (&self.pins, self.parameters.bench_mode()) else { return Ok(()) };
+        let (Some(pins), Some(parameters)) = (&self.pins, self.parameters.bench_mode()) else {
+            return Ok(());
+        };
+        if let Some(fault) = parameters.missing_enable(&pins.readings()) {
+            return Err(Refusal { outcome: Outcome::PowerStageFault, detail: fault as u32 });
+        }
         pins.check(&self.parameters.drive())
     }
 }

@@ -22,6 +22,9 @@ impl<L: LawSet> Drive<L> {
     pub fn sample(&mut self, readings: &PinReadings, due: Duration, clock: &impl Clock) {
         let Some(pins) = &mut self.pins else { return };
         pins.note(readings, due);
+        if let Lifecycle::Idle { .. } = &self.lifecycle {
+            self.find_home(readings);
+        }
         let Lifecycle::Running { run, .. } = &mut self.lifecycle else { return };
         let late = run.pins().and_then(|_| run.check_watchdog(clock.now()).err());
         let step = match late {

@@ -25,14 +25,18 @@
 //! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
 //! | `pin_run`, `pins` | a run on the pins; what they must show before |
+//! | `guard` | what ends a run on the pins without a host |
+//! | `zero` | the zero of both encoders |
 //! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
+//! | `store` | the requests to store, recall and forget them |
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
 //! | `scope` | a capture: signals around an event, at the rate of the loop |
+//! | `observation` | what a step leaves besides its torque: a row of the capture, telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
@@ -44,6 +48,7 @@ mod bench_sample;
 mod clock;
 mod control_loop;
 mod descriptions;
+mod guard;
 mod identity;
 mod lifecycle;
 mod line_counts;
@@ -52,6 +57,7 @@ mod loader;
 mod loader_entry;
 mod machine;
 mod motor_direction;
+mod observation;
 mod output;
 mod parameters;
 mod pin_parameters;
@@ -61,9 +67,11 @@ mod refusal;
 mod run;
 mod safety;
 mod scope;
+mod store;
 mod subscription;
 mod torque_answer;
 mod watchdog;
+mod zero;
 
 pub use clock::{Clock, ManualClock};
 pub use identity::{BUILD_ID, BUILD_IS_DIRTY, FIRMWARE_VERSION};

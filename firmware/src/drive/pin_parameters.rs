@@ -1,9 +1,10 @@
 //! The parameters of bench mode. Only a drive with encoders and a power stage of its own offers them, after all others.
 
-use super::pins::PinHardware;
+use super::pins::{PinHardware, PinReadings};
+use crate::contact::Contact;
 use crate::direction::Direction;
 use crate::law::ParameterError;
-use crate::power_stage::{BridgeLimits, Modulation, StageChoice};
+use crate::power_stage::{BridgeLimits, Modulation, PowerStageFault, StageChoice};
 use crate::torque::{Motor, TorqueSource};
 
 crate::choices! {
@@ -65,10 +66,54 @@ crate::parameters! {
         supply_range_v: F32 = 60.0 in 1.0..=1e3, "V";
         /// Largest current of the motor, by command. Beyond 1.5 of it the drive switches the bridge off.
         current_limit_a: F32 = 5.0 in 0.01..=1e4, "A";
+        /// Fastest change of the torque. At the default the torque limit changes sign in a period.
+        torque_slew_nm_s: F32 = 1e9 in 1e-3..=1e9, "N m/s";
+        /// Least position of the motor.
+        motor_travel_min_rad: F32 = -1e9 in -1e9..=1e9, "rad";
+        /// Largest position of the motor.
+        motor_travel_max_rad: F32 = 1e9 in -1e9..=1e9, "rad";
+        /// Least position of the load.
+        load_travel_min_rad: F32 = -1e9 in -1e9..=1e9, "rad";
+        /// Largest position of the load.
+        load_travel_max_rad: F32 = 1e9 in -1e9..=1e9, "rad";
+        /// Longest time at 0.9 of the torque limit or more, in which neither encoder moves.
+        stall_time_s: F32 = 0.5 in 0.001..=1e3, "s";
+        /// Longest time in which the measured torque is less than half the command.
+        missing_torque_time_s: F32 = 0.5 in 0.001..=1e3, "s";
+        /// Torque that the motor bears for ever.
+        torque_continuous_nm: F32 = 1e5 in 1e-4..=1e5, "N m";
+        /// Thermal time constant of the winding.
+        motor_thermal_s: F32 = 30.0 in 0.01..=1e5, "s";
+        /// Current that the bridge bears for ever.
+        current_continuous_a: F32 = 1e5 in 0.01..=1e5, "A";
+        /// Thermal time constant of the bridge.
+        stage_thermal_s: F32 = 1.0 in 0.01..=1e5, "s";
+        /// Contact without which the drive neither arms nor runs.
+        enable_input: Contact = Unused;
+        /// Contact that ends a torque towards negative positions.
+        negative_limit_input: Contact = Unused;
+        /// Contact that ends a torque towards positive positions.
+        positive_limit_input: Contact = Unused;
+        /// Contact at the zero of both encoders.
+        home_input: Contact = Unused;
+        /// Smallest voltage of the bus. Below it, or below a fifth of `supply_v`, the drive switches the bridge off.
+        supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
+        /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.
+        supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
+        /// Voltage of the bus from which on a brake resistor is on, from the first run on and until 3 % less.
+        brake_on_v: F32 = 1e3 in 1.0..=1e3, "V";
+        /// Number of the rig, for hosts that compare it with their rig file.
+        rig_id: U32 = 0 in 0..=4_294_967_295, "";
     }
 }
 
 impl PinParameters {
+    /// The fault of a wired enable input that isn't active.
+    pub(super) fn missing_enable(&self, readings: &PinReadings) -> Option<PowerStageFault> {
+        let is_missing = self.enable_input.is_active(readings.contacts.enable) == Some(false);
+        is_missing.then_some(PowerStageFault::NotEnabled)
+    }
+
     /// From torque to duties, on a board with this hardware.
     ///
     /// # Errors
@@ -89,6 +134,9 @@ impl PinParameters {
                 current_direction: self.current_direction,
                 supply_range_v: self.supply_range_v,
                 current_limit_a: self.current_limit_a,
+                supply_min_v: self.supply_min_v,
+                supply_max_v: self.supply_max_v,
+                brake_on_v: self.brake_on_v,
             },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,

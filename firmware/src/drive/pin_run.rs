@@ -7,6 +7,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::{EncoderSample, Reference};
 
+use super::guard::Guard;
 use super::motor_direction::MotorDirection;
 use super::pin_parameters::PinParameters;
 use super::pins::{PinReadings, Pins};
@@ -36,6 +37,9 @@ pub(super) struct PinRun {
     /// Steps before the next report.
     unreported: u16,
     twist: Option<TwistCheck>,
+    guard: Guard,
+    /// Counts of the hardware at the zero of motor and load.
+    zero: [EncoderCounts; 2],
     direction: MotorDirection,
     /// Counts of the load at the first step.
     first_load: Option<EncoderCounts>,
@@ -74,6 +78,8 @@ impl PinRun {
             next_sequence: 0,
             unreported: 0,
             twist: None,
+            guard: Guard::new(drive),
+            zero: pins.zero(),
             direction: MotorDirection::new(drive.torque_limit_nm, pins.rested(now)),
             first_load: None,
             last: None,
@@ -126,7 +132,7 @@ impl PinRun {
         readings: &PinReadings,
         due: Duration,
     ) -> Result<Option<EncoderSample>, Violation> {
-        if let Some(fault) = readings.stage_fault {
+        if let Some(fault) = readings.stage_fault.or(self.parameters.missing_enable(readings)) {
             let detail = fault as u32;
             return Err(Violation { detail, ..Violation::of(FaultCode::PowerStage) });
         }
@@ -146,8 +152,14 @@ impl PinRun {
         self.next_sequence = sequence.wrapping_add(1);
         Ok(Some(EncoderSample {
             sequence,
-            motor_counts: self.parameters.motor_direction.of_counts(readings.motor.counts),
-            load_counts: self.parameters.load_direction.of_counts(readings.load.counts),
+            motor_counts: self
+                .parameters
+                .motor_direction
+                .of_counts(from_zero(readings.motor.counts, self.zero[0])),
+            load_counts: self
+                .parameters
+                .load_direction
+                .of_counts(from_zero(readings.load.counts, self.zero[1])),
             reference_rad,
         }))
     }
@@ -198,6 +210,16 @@ impl PinRun {
         Err(Violation { code, value: change, limit, detail: 0 })
     }
 
+    /// Checks the limits that hold without a host, see [`Guard::check`].
+    pub(super) fn check_limits(
+        &mut self,
+        sample: &EncoderSample,
+        readings: &PinReadings,
+        torques_nm: [f32; 3],
+    ) -> Result<(), Violation> {
+        self.guard.check(&self.parameters, sample, readings, torques_nm)
+    }
+
     /// Checks that the step due at `due` ended within its period.
     pub(super) fn check_end(&self, due: Duration, now: Duration) -> Result<(), Violation> {
         in_time(now.saturating_sub(due), self.period)
@@ -216,6 +238,11 @@ impl PinRun {
     pub(super) fn overdue(&self, now: Duration) -> Violation {
         overrun(now.saturating_sub(self.last_due.unwrap_or(self.started_at)), self.missing_after())
     }
+}
+
+/// A reading in coordinates with this zero.
+fn from_zero(counts: EncoderCounts, zero: EncoderCounts) -> EncoderCounts {
+    EncoderCounts::wrapping(counts.wrapping_sub(zero).into())
 }
 
 fn in_time(time: Duration, limit: Duration) -> Result<(), Violation> {

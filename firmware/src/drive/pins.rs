@@ -7,6 +7,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::Outcome;
 
 use super::refusal::Refusal;
+use crate::contact::Contacts;
 use crate::input_filter::{InputFilter, filter_for};
 use crate::law::{DriveParameters, ParameterError, ROUNDING};
 use crate::power_stage::{PowerStageFault, StageMode};
@@ -96,6 +97,8 @@ pub struct PinReadings {
     pub load: EncoderReading,
     /// Fault of the power stage.
     pub stage_fault: Option<PowerStageFault>,
+    /// Contacts at the inputs.
+    pub contacts: Contacts,
     /// Mean torque since the last readings in N m, by the measured current; `None` if nothing measures it.
     pub torque_nm: Option<f32>,
 }
@@ -126,6 +129,16 @@ struct Observed {
     fastest_counts_per_s: f32,
 }
 
+/// Whether a host waits for the home switch.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Home {
+    NotAwaited,
+    /// The switch has to be seen open first.
+    Awaited {
+        was_active: bool,
+    },
+}
+
 /// The pins since power-up or reset: a history that arming requires to be plausible.
 pub(super) struct Pins {
     hardware: PinHardware,
@@ -137,6 +150,9 @@ pub(super) struct Pins {
     place: [EncoderCounts; 2],
     /// When one of them last moved, if ever.
     moved_at: Option<Duration>,
+    /// Counts of the hardware at the zero of motor and load.
+    zero: [EncoderCounts; 2],
+    home: Home,
 }
 
 impl Pins {
@@ -148,6 +164,8 @@ impl Pins {
             load: Observed::default(),
             place: [EncoderCounts::default(); 2],
             moved_at: None,
+            zero: [EncoderCounts::default(); 2],
+            home: Home::NotAwaited,
         }
     }
 
@@ -161,6 +179,43 @@ impl Pins {
         for (observed, reading) in [(&mut self.motor, readings.motor), (&mut self.load, readings.load)] {
             observed.illegal_at_reset = reading.illegal_transitions;
             observed.fastest_counts_per_s = 0.0;
+        }
+    }
+
+    /// Counts of the hardware at the zero of motor and load.
+    pub(super) fn zero(&self) -> [EncoderCounts; 2] {
+        self.zero
+    }
+
+    /// Motor and load are at their zero.
+    ///
+    /// # Errors
+    /// [`Outcome::EncoderImplausible`] before the first readings.
+    pub(super) fn set_zero(&mut self) -> Result<(), Refusal> {
+        let Some((readings, _)) = &self.latest else { return Err(Implausible::Unread.into()) };
+        self.zero = [readings.motor.counts, readings.load.counts];
+        self.home = Home::NotAwaited;
+        Ok(())
+    }
+
+    /// The zero is where the home switch next closes.
+    pub(super) fn await_home(&mut self) {
+        self.home = Home::Awaited { was_active: true };
+    }
+
+    pub(super) fn awaits_home(&self) -> bool {
+        self.home != Home::NotAwaited
+    }
+
+    /// Takes the home switch of the latest readings.
+    pub(super) fn note_home(&mut self, is_active: bool) {
+        match &mut self.home {
+            Home::Awaited { was_active: false } if is_active => {
+                // There are readings.
+                let _ = self.set_zero();
+            }
+            Home::Awaited { was_active } => *was_active = is_active,
+            Home::NotAwaited => {}
         }
     }
 

@@ -68,7 +68,11 @@ impl<L: LawSet> Run<L> {
         now: Duration,
     ) -> Self {
         let watchdog = Watchdog::start(parameters.watchdog_us, now);
-        Self { control, limits: Limits::new(parameters), watchdog, torque_nm: 0.0, source }
+        let slew_nm_s = match &source {
+            Source::Link { .. } => f32::INFINITY,
+            Source::Pins(pins) => pins.parameters().torque_slew_nm_s,
+        };
+        Self { control, limits: Limits::new(parameters, slew_nm_s), watchdog, torque_nm: 0.0, source }
     }
 
     /// The held torque in N m.
@@ -138,10 +142,12 @@ impl<L: LawSet> Run<L> {
         };
         // The law gets the torque that was.
         let held_nm = readings.torque_nm.unwrap_or(self.torque_nm);
+        let commanded_nm = self.torque_nm;
         let torque = self.step(&sample, 1, held_nm);
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
         let torque = torque.and_then(|torque| {
+            pins.check_limits(&sample, readings, [commanded_nm, held_nm, torque.0])?;
             if !self.control.takes_torque() {
                 pins.check_direction(&sample, held_nm)?;
             }
@@ -150,10 +156,7 @@ impl<L: LawSet> Run<L> {
             Ok(torque)
         });
         let (torque_nm, flags, fault) = match torque {
-            Ok((torque_nm, requested_nm)) if torque_nm != requested_nm => {
-                (torque_nm, TorqueFlags::SATURATED, None)
-            }
-            Ok((torque_nm, _)) => (torque_nm, TorqueFlags::empty(), None),
+            Ok((torque_nm, flags)) => (torque_nm, flags, None),
             Err(violation) => (0.0, TorqueFlags::empty(), Some(violation)),
         };
         let state = if fault.is_some() { State::Faulted } else { State::Running };
@@ -174,8 +177,8 @@ impl<L: LawSet> Run<L> {
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
         match self.step(sample, periods, self.torque_nm) {
-            Ok((torque_nm, requested_nm)) => {
-                flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
+            Ok((torque_nm, of_torque)) => {
+                flags |= of_torque;
                 let elapsed = clock.now().saturating_sub(arrived);
                 let answer = torque_answer(sample.sequence, torque_nm, State::Running, flags, elapsed);
                 self.source = Source::Link { last_answer: Some(answer) };
@@ -198,18 +201,19 @@ impl<L: LawSet> Run<L> {
         }
     }
 
-    /// The torques in N m, after the limit and before it. `applied_torque_nm` is that since the last step.
+    /// The torque in N m, and what limited it. `applied_torque_nm` is that since the last step.
     fn step(
         &mut self,
         sample: &EncoderSample,
         periods: u32,
         applied_torque_nm: f32,
-    ) -> Result<(f32, f32), Violation> {
+    ) -> Result<(f32, TorqueFlags), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
         let requested_nm = self.control.step(sample, periods, applied_torque_nm);
-        self.torque_nm = self.limits.clamp_torque(requested_nm)?;
-        Ok((self.torque_nm, requested_nm))
+        let (torque_nm, flags) = self.limits.clamp_torque(requested_nm, self.torque_nm)?;
+        self.torque_nm = torque_nm;
+        Ok((torque_nm, flags))
     }
 }

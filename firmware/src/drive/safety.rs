@@ -9,12 +9,14 @@
 //! | torque beyond `torque_limit_nm` | clamped and flagged |
 //! | `EmergencyStop` | fault |
 //! | bench mode: fault of the power stage, lost encoder, missing or late tick | fault, see `pin_run` |
+//! | bench mode: travel, stall, overload, missing torque, limit switch | fault, see `guard` |
+//! | bench mode: torque faster than `torque_slew_nm_s` | slowed down and flagged |
 //! | bench mode: motor that runs away from its torque | fault, see `motor_direction` |
 //! | bench mode: implausible encoder or fault of the power stage before the start | not armed, see `pins` |
 //!
 //! A fault sets the torque to zero at once and stays latched until `ClearFault`. Time is device time.
 
-use lashloop_protocol::enums::FaultCode;
+use lashloop_protocol::enums::{FaultCode, TorqueFlags};
 
 use crate::law::{DriveParameters, Real};
 
@@ -43,14 +45,18 @@ impl Violation {
 /// Limits of one run, fixed at its start.
 pub(super) struct Limits {
     torque_nm: f32,
+    /// Largest change of the torque in a period, in N m.
+    slew_nm: f32,
     motor_speed_rad_s: f32,
     load_speed_rad_s: f32,
 }
 
 impl Limits {
-    pub(super) fn new(parameters: &DriveParameters) -> Self {
+    /// The limits with a fastest change of the torque in N m/s.
+    pub(super) fn new(parameters: &DriveParameters, slew_nm_s: f32) -> Self {
         Self {
             torque_nm: parameters.torque_limit_nm,
+            slew_nm: slew_nm_s * parameters.period_s(),
             motor_speed_rad_s: parameters.motor_speed_limit_rad_s,
             load_speed_rad_s: parameters.load_speed_limit_rad_s,
         }
@@ -68,11 +74,20 @@ impl Limits {
         holds(reference_rad.is_finite(), FaultCode::ReferenceNotFinite, reference_rad, 0.0)
     }
 
-    /// The only way to a torque: finite and clamped.
-    pub(super) fn clamp_torque(&self, requested_nm: f32) -> Result<f32, Violation> {
+    /// The only way to a torque: finite, near to the last one, and clamped.
+    pub(super) fn clamp_torque(
+        &self,
+        requested_nm: f32,
+        last_nm: f32,
+    ) -> Result<(f32, TorqueFlags), Violation> {
         holds(requested_nm.is_finite(), FaultCode::TorqueNotFinite, requested_nm, self.torque_nm)?;
         // `Real`'s clamp: the one of core panics with its bounds and links 12 KiB of float formatting.
-        Ok(Real::clamp(requested_nm, -self.torque_nm, self.torque_nm))
+        let near_nm = Real::clamp(requested_nm, last_nm - self.slew_nm, last_nm + self.slew_nm);
+        let torque_nm = Real::clamp(near_nm, -self.torque_nm, self.torque_nm);
+        let mut flags = TorqueFlags::empty();
+        flags.set(TorqueFlags::SLEW_LIMITED, near_nm != requested_nm);
+        flags.set(TorqueFlags::SATURATED, torque_nm != near_nm);
+        Ok((torque_nm, flags))
     }
 }
 

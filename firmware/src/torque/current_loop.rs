@@ -11,7 +11,7 @@ const CROSSOVER: f32 = 0.48;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurrentLoop {
     gain_v_a: f32,
-    /// Part of the proportional voltage that the integral takes in a period.
+    /// Part of the proportional voltage that the integral takes in a period: less than 1, however slow the modulation is.
     reset: f32,
     integral_v: f32,
 }
@@ -20,11 +20,8 @@ impl CurrentLoop {
     /// The control of a motor, stepped once in each period.
     #[must_use]
     pub fn new(motor: &Motor, period_s: f32) -> Self {
-        Self {
-            gain_v_a: CROSSOVER * motor.inductance_h / period_s,
-            reset: motor.resistance_ohm * period_s / motor.inductance_h,
-            integral_v: 0.0,
-        }
+        let reset = motor.settled_in(period_s);
+        Self { gain_v_a: CROSSOVER * motor.resistance_ohm / reset, reset, integral_v: 0.0 }
     }
 
     /// The voltage of the next period in V, within `limit_v`, for an error of the current in A and a known voltage against it.

@@ -10,10 +10,12 @@
 mod current_loop;
 mod motor;
 mod offset;
+mod sensor_check;
 
 pub use current_loop::CurrentLoop;
 pub use motor::Motor;
 pub use offset::SensorOffset;
+pub use sensor_check::SensorCheck;
 
 use crate::law::Real;
 

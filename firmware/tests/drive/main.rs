@@ -3,6 +3,7 @@
 mod bench;
 mod bench_arming;
 mod bench_faults;
+mod bench_limits;
 mod capture;
 mod growth;
 mod host;

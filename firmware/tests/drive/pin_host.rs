@@ -145,7 +145,7 @@ impl PinHost {
 
     /// Sends the next reference, which an accepting drive doesn't answer.
     pub fn refer(&mut self, reference_rad: f32) {
-        self.number += 1;
+        self.number = self.number.wrapping_add(1);
         assert_eq!(self.send(Reference { number: self.number, reference_rad }), []);
     }
 

@@ -1,6 +1,6 @@
 //! A motor on a bridge, and the drive's control of it, period by period.
 
-use lashloop_firmware::torque::{BridgeReading, Motor, SensorOffset, TorqueControl};
+use lashloop_firmware::torque::{BridgeReading, Motor, SensorCheck, SensorOffset, TorqueControl};
 use lashloop_plant::electrical::{Bridge, Circuit, CurrentSensor, ElectricalParameters};
 
 /// The motor of the examples, at 10 kHz: the slowest modulation of a current loop.
@@ -24,7 +24,12 @@ pub struct Bench {
     sensor: CurrentSensor,
     offset: SensorOffset,
     control: TorqueControl,
+    check: SensorCheck,
     duty: f64,
+    /// What the sensor shows of the current, as a factor.
+    pub sense: f64,
+    /// Whether the drive has found the sensor wrong.
+    pub is_doubted: bool,
 }
 
 impl Bench {
@@ -36,7 +41,16 @@ impl Bench {
             sensor: CurrentSensor::new(1),
             offset: SensorOffset::default(),
             control: TorqueControl::by_current(motor, (1.0 / parameters.pwm_hz) as f32, 1.0),
+            // The limit of the current is half the range.
+            check: SensorCheck::new(
+                motor,
+                (1.0 / parameters.pwm_hz) as f32,
+                parameters.sense_range_a as f32 / 128.0,
+                parameters.sense_range_a as f32 / 20.0,
+            ),
             duty: 0.0,
+            sense: 1.0,
+            is_doubted: false,
         };
         while bench.offset.reading().is_none() {
             let reading = bench.converter();
@@ -47,7 +61,7 @@ impl Bench {
 
     /// What a converter of 12 bits reads.
     fn converter(&mut self) -> u32 {
-        let fraction = self.sensor.read(self.circuit.parameters(), self.circuit.current_a());
+        let fraction = self.sensor.read(self.circuit.parameters(), self.sense * self.circuit.current_a());
         (2048.0 * (1.0 + fraction)) as u32
     }
 
@@ -60,7 +74,10 @@ impl Bench {
         let above = self.converter() as f32 - offset;
         let current_a = above * parameters.sense_range_a as f32 / 2048.0;
         let reading = BridgeReading { current_a, bus_v: self.circuit.bus_v() as f32 };
-        self.duty = self.control.duty(torque_nm as f32, self.speed_rad_s as f32, &reading).into();
+        let (command_nm, speed_rad_s) = (torque_nm as f32, self.speed_rad_s as f32);
+        let duty = self.control.duty(command_nm, speed_rad_s, &reading);
+        self.is_doubted |= self.check.step(command_nm, speed_rad_s, &reading, duty);
+        self.duty = duty.into();
         let torque_nm = parameters.torque_constant_nm_a * self.circuit.current_a();
         self.circuit.step(Bridge::Driving(self.duty), self.speed_rad_s, half_s);
         torque_nm

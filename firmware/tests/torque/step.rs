@@ -28,6 +28,20 @@ fn a_step_is_63_percent_done_in_300_us_and_overshoots_by_at_most_10_percent() {
     }
 }
 
+/// A period of three time constants, as a modulation of 300 Hz has at this motor.
+#[test]
+fn a_modulation_slower_than_the_motor_leaves_the_loop_stable() {
+    for pwm_hz in [1e3, 1.5e3, 3e3] {
+        let parameters = ElectricalParameters { pwm_hz, inductance_h: 1.7e-4, ..at_10_khz() };
+        let mut bench = Bench::new(parameters, believed(&parameters, 1.0, 1.0));
+        let torques = response(&mut bench, 5.0, 200);
+        let overshoot = torques.iter().fold(0.0_f64, |most, it| most.max(*it)) / 5.0 - 1.0;
+        let ripple = torques[100..].iter().fold(0.0_f64, |most, it| most.max((it - 5.0).abs()));
+        println!("{pwm_hz} Hz: overshoot {:.1} %, {ripple:.4} N m off in the end", 100.0 * overshoot);
+        assert!(overshoot <= 0.1 && ripple <= 0.02, "{pwm_hz} Hz: {overshoot}, {ripple} N m");
+    }
+}
+
 #[test]
 fn resistance_and_inductance_off_by_30_percent_leave_the_loop_stable() {
     for resistance in [0.7, 1.0, 1.3] {

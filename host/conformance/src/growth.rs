@@ -201,6 +201,19 @@ pub(super) fn has_names(client: &mut Client) -> RuleResult {
     let taken = HostMessage::LAYOUTS.iter().map(|it| it.kind).filter(|kind| match *kind {
         kind if kind == Reference::LAYOUT.kind => has(Capabilities::BENCH_MODE),
         kind if kind == EnterLoader::LAYOUT.kind => has(Capabilities::LOADER),
+        kind if kind == SetZero::LAYOUT.kind => has(Capabilities::BENCH_MODE),
+        kind if [
+            StoreParameters::LAYOUT.kind,
+            RecallParameters::LAYOUT.kind,
+            ForgetParameters::LAYOUT.kind,
+        ]
+        .contains(&kind) =>
+        {
+            has(Capabilities::STORE)
+        }
+        kind if [Capture::LAYOUT.kind, ReadCapture::LAYOUT.kind].contains(&kind) => {
+            has(Capabilities::CAPTURE)
+        }
         _ => true,
     });
     let mut taken: Vec<_> = taken.map(|kind| (KIND_NAMES, kind)).collect();
@@ -209,6 +222,14 @@ pub(super) fn has_names(client: &mut Client) -> RuleResult {
         taken.extend(faults.map(|code| (FAULT_NAMES, code.byte())));
         let refusals = [PowerStageFault, EncoderImplausible];
         taken.extend(refusals.map(|outcome| (OUTCOME_NAMES, outcome.byte())));
+    }
+    for (capability, outcome) in
+        [(Capabilities::STORE, Outcome::StoreFailed), (Capabilities::CAPTURE, Outcome::NotCaptured)]
+    {
+        taken.extend(has(capability).then_some((OUTCOME_NAMES, outcome.byte())));
+    }
+    if has(Capabilities::CAPTURE) {
+        taken.push((KIND_NAMES, CaptureRows::LAYOUT.kind));
     }
     client.arrivals.seen.extend(taken);
     for (parameter, what, of_page) in lists() {

@@ -15,6 +15,7 @@
 //! | `aftermath` | what earlier messages and runs leave behind |
 //! | `growth` | requests, bodies and values of a newer host, numbers, names |
 //! | `pins` | the options: bench mode and boot loader, as far as they need no hardware |
+//! | `options` | stored parameters, zero of the encoders, captures |
 //! | `bench_mode` | runs on the drive's own encoders, if the host allows them |
 //! | `line` | the line report |
 //! | `profile_pd` | the optional profile `pd`, by its golden trace |
@@ -57,6 +58,7 @@ mod judge;
 mod latency;
 mod line;
 mod moment;
+mod options;
 mod parameters;
 mod pins;
 mod power_stage;
@@ -187,6 +189,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("aftermath", aftermath::checks()),
         ("growth", growth::checks()),
         ("pins", pins::checks()),
+        ("options", options::checks()),
         ("bench_mode", bench_mode::checks()),
         ("line", line::checks()),
         ("profile_pd", profile_pd::checks()),

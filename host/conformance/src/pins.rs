@@ -21,7 +21,7 @@ const SOURCES: [&str; 2] = ["link", "pins"];
 const DIRECTIONS: [&str; 2] = ["forward", "reverse"];
 pub(super) const PINS: ParameterValue = U32(1);
 /// Least and largest details of the refusals by the hardware.
-const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 5]), (EncoderImplausible, [1, 5])];
+const DETAILS: [(Outcome, [u32; 2]); 2] = [(PowerStageFault, [1, 7]), (EncoderImplausible, [1, 5])];
 /// The encoders were not read since power-up.
 pub(super) const UNREAD: u32 = 1;
 

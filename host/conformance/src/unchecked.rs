@@ -46,6 +46,7 @@ const fn test(rule: &'static str, file: &'static str, name: &'static str) -> Unc
 }
 
 const AT_THE_STAGE: &str = "only a meter at the power stage shows it";
+const THE_ZERO_STAYS: &str = "no request restores the zero that the drive had";
 const HOST_RULES: &str = "tests/tests/document/host_rules.rs";
 const RETRIES: &str = "tests/tests/looped/retries.rs";
 const LINK_FAULTS: &str = "tests/tests/looped/link_faults.rs";
@@ -62,6 +63,11 @@ pub const UNCHECKED: &[Unchecked] = &[
     nothing("R18.13", AT_THE_STAGE),
     nothing("R19.3", "the firmware would be gone: no check starts the boot loader of a drive that has one"),
     nothing("R19.4", AT_THE_STAGE),
+    nothing("R20.6", "no request cuts the power in a store"),
+    nothing("R20.7", "no request makes a memory fail in every drive"),
+    nothing("R21.3", THE_ZERO_STAYS),
+    nothing("R21.4", "no request closes a switch"),
+    nothing("R21.5", THE_ZERO_STAYS),
     test("H1.1", RETRIES, "a_run_survives_the_loss_of_each_first_request"),
     test("H1.2", HOST_RULES, "one_request_is_pending_at_a_time"),
     test("H2.1", PINNED, "every_message_of_the_host_is_pinned"),

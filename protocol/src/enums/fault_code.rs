@@ -21,7 +21,8 @@ wire_list! {
         /// its number.
         ProcessorFault = 8,
         /// Bench mode: the power stage reported a fault. `detail` is 1 for the break input, 2 for the fault line, 3 for a missing
-        /// supply, 4 for overcurrent, 5 for overtemperature, 6 for the current sensor, 7 for overvoltage.
+        /// supply, 4 for overcurrent, 5 for overtemperature, 6 for the current sensor, 7 for overvoltage, 8 for
+        /// a missing enable.
         PowerStage = 9,
         /// Bench mode: the motor encoder stands still while the load moves, `value` and `limit` in rad; or its channels changed
         /// at once, `detail` is the number of times.
@@ -45,8 +46,7 @@ wire_list! {
         Overload = 17,
         /// Bench mode: the measured torque stayed below half the command. `value` and `limit` in seconds.
         TorqueMissing = 18,
-        /// Bench mode: an input of the drive ended the run. `detail` is 1 for enable, 2 or 3 for the negative or the positive limit
-        /// switch.
-        Input = 19,
+        /// Bench mode: the torque was towards an active limit switch. `detail` is 1 for the negative one, 2 for the positive one.
+        LimitSwitch = 19,
     }
 }

@@ -7,13 +7,14 @@ macro_rules! document {
     };
 }
 
-/// The page and its annexes, in the order of their sections. The draft isn't among them: it binds no one.
+/// The page and its annexes, in the order of their sections.
 pub const PROTOCOL: &str = concat!(
     document!("protocol.md"),
     document!("protocol/bytes.md"),
     document!("protocol/lashloop-drive.md"),
     document!("protocol/profile-pd.md"),
     document!("protocol/bench-mode.md"),
+    document!("protocol/options.md"),
 );
 
 /// The text between this heading and the next one of any level.

@@ -14,10 +14,11 @@ use crate::pin_host::{PERIOD, PinHost, index};
 
 const FAULTS: &str = "### Faults of bench mode";
 const EVENTS: &str = "event in Running of bench mode";
+const FURTHER_EVENTS: &str = "further event in Running of bench mode";
 
 /// The codes of the events of bench mode.
 pub fn faults() -> BTreeSet<String> {
-    let rows = table(section(FAULTS), EVENTS);
+    let rows = [EVENTS, FURTHER_EVENTS].map(|events| table(section(FAULTS), events)).concat();
     rows.iter().flat_map(|row| row[2].split(" or ").map(str::to_owned)).collect()
 }
 

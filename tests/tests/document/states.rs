@@ -66,7 +66,10 @@ fn the_tables_have_every_kind_of_request() {
     let of = |heading, header| table(section(heading), header).into_iter().map(|row| row[0].clone());
     let rows = of(STATES, "request")
         .chain(of("### Requests of bench mode", "request in bench mode"))
-        .chain(of("## 19. Boot loader", "request with a boot loader"));
+        .chain(of("## 19. Boot loader", "request with a boot loader"))
+        .chain(of("## 20. Stored parameters", "request with stored parameters"))
+        .chain(of("## 21. Zero of the encoders", "request with encoders"))
+        .chain(of("## 22. Capture", "request with captures"));
     let have: BTreeSet<_> = rows.filter_map(|row| row.split(',').next().map(str::to_owned)).collect();
     let want: BTreeSet<_> = HostMessage::LAYOUTS.iter().map(|layout| layout.name.to_owned()).collect();
     assert_eq!(have, want);

@@ -6,6 +6,7 @@ mod kill_rate;
 mod laws;
 mod mutation;
 mod options;
+mod options_of_specimen;
 mod profile_pd;
 mod specimen;
 mod traffic;
@@ -45,6 +46,9 @@ const PROFILE: &str = "profile_pd";
 /// Turns the power stage on, so that a host has to allow it.
 const BENCH_MODE: &str = "bench_mode";
 
+/// Each needs an option of the drive.
+const OPTIONS: &str = "options";
+
 /// Need bench mode.
 const OF_PINS: [&str; 2] = [
     "Arm in bench mode checks session, state and parameters before the pins",
@@ -64,7 +68,7 @@ fn skipped(link: impl Link + 'static) -> BTreeSet<String> {
 
 /// Whether a check is of an option that the specimen lacks.
 fn is_optional(it: &CheckResult) -> bool {
-    [PROFILE, BENCH_MODE].contains(&it.group) || OF_PINS.contains(&&*it.name)
+    [PROFILE, BENCH_MODE, OPTIONS].contains(&it.group) || OF_PINS.contains(&&*it.name)
 }
 
 fn none() -> BTreeSet<String> {

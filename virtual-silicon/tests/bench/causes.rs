@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
-use lashloop_protocol::message::{DescribeLaw, EmergencyStop, Hello, Reset, Stop};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, ZeroSource};
+use lashloop_protocol::message::{DescribeLaw, EmergencyStop, Hello, Reset, SetZero, Stop};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, UNDEFINED};
-use lashloop_silicon::wiring::Encoder;
+use lashloop_silicon::wiring::{ContactPins, Encoder, Pin};
 
 use crate::failures::{
     FLAG, PLACE, interrupting, locking_up, never_ending, overflowing, panicking, returning_the_flag,
@@ -22,6 +22,10 @@ const MS: Duration = Duration::from_millis(1);
 const US: Duration = Duration::from_micros(1);
 /// The default of `watchdog_us`.
 const WATCHDOG: Duration = Duration::from_millis(20);
+/// Travel of the load in the test.
+const TRAVEL_RAD: f32 = 0.05;
+/// Time of a stall in the test.
+const STALL: Duration = Duration::from_micros(9_900);
 /// Longer than a step.
 const LONGEST_STEP: Duration = Duration::from_micros(20);
 /// Speed of an encoder that exceeds its limit.
@@ -85,7 +89,7 @@ const STOPPED: Cause = Cause {
     ..IN_HANDLER
 };
 
-pub const CAUSES: [Cause; 20] = [
+pub const CAUSES: [Cause; 24] = [
     Cause { name: "panic", code: Some(panicking), fault: Some(FaultCode::Panic), ..IN_HANDLER },
     Cause {
         name: "HardFault",
@@ -172,6 +176,80 @@ pub const CAUSES: [Cause; 20] = [
             }
         },
         fault: Some(FaultCode::MotorEncoderJump),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "load leaves its travel, host silent",
+        from: "the count beyond it",
+        by: "the next tick",
+        prepare: |host| {
+            let travel = ("load_travel_max_rad", ParameterValue::F32(TRAVEL_RAD));
+            host.command(Stop {});
+            host.command(SetZero { source: ZeroSource::Present });
+            // A host that is silent for longer than the load takes.
+            restart(host, &[travel, ("watchdog_us", ParameterValue::U32(1_000_000))]);
+        },
+        happen: |host| {
+            let travel = (f64::from(TRAVEL_RAD) / TAU * 131_072.0) as i64;
+            let last = travel + host.bench.act(|_, site| site.train.count(Encoder::Load));
+            host.bench.turn(3e5, 1e5);
+            loop {
+                host.bench.advance(US);
+                let (read_at, load) = host.bench.act(|_, site| {
+                    let (at, ..) = *site.log.readings.last().expect("a reading");
+                    (at, site.train.count(Encoder::Load))
+                });
+                if load > last {
+                    host.bench.turn(0.0, 0.0);
+                    return (host.bench.now() - US).max(read_at + LONGEST_STEP);
+                }
+            }
+        },
+        fault: Some(FaultCode::LoadTravel),
+        is_referred: false,
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "limit switch in the direction of the torque",
+        from: "the edge",
+        by: "the next tick",
+        prepare: |host| {
+            switch_contact(host, |contacts| contacts.positive_limit, false);
+            restart(host, &[("positive_limit_input", ParameterValue::U32(1))]);
+        },
+        happen: |host| switch_contact(host, |contacts| contacts.positive_limit, true),
+        fault: Some(FaultCode::LimitSwitch),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "enable contact opens",
+        from: "the edge",
+        by: "the next tick",
+        prepare: |host| {
+            switch_contact(host, |contacts| contacts.enable, true);
+            restart(host, &[("enable_input", ParameterValue::U32(1))]);
+        },
+        happen: |host| switch_contact(host, |contacts| contacts.enable, false),
+        fault: Some(FaultCode::PowerStage),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "both encoders lost, or a stall",
+        from: "end of stall_time_s",
+        by: "the next tick",
+        prepare: |host| {
+            let stall = ("stall_time_s", ParameterValue::F32(STALL.as_secs_f32()));
+            restart(host, &[stall, ("torque_limit_nm", ParameterValue::F32(1.0))]);
+            host.bench.turn(3e5, 0.0);
+            host.steps(2, 1.0);
+        },
+        happen: |host| {
+            end_step(host);
+            host.bench.turn(0.0, 0.0);
+            // The next tick sees the last motion.
+            last_tick(host) + host.period + STALL
+        },
+        fault: Some(FaultCode::Stall),
         ..ON_REQUEST
     },
     Cause {
@@ -275,6 +353,25 @@ pub fn fail(host: &mut Host) -> Duration {
     host.send(HostMessage::from(DescribeLaw { index: 0 }));
     host.bench.advance(2 * MS);
     host.bench.act(|_, site| site.log.arrivals.last().map(|it| it.at)).expect("the failure happened")
+}
+
+/// Stops, and runs under torque with these parameters.
+fn restart(host: &mut Host, parameters: &[(&str, ParameterValue)]) {
+    host.command(Stop {});
+    for (name, value) in parameters {
+        assert_eq!(host.set(name, *value), Outcome::Accepted, "{name}");
+    }
+    host.run_under_torque();
+}
+
+/// Closes a contact, or opens it, outside a step. Returns the instant.
+fn switch_contact(host: &mut Host, contact: fn(&ContactPins) -> Pin, does: bool) -> Duration {
+    end_step(host);
+    host.bench.act(move |chip, _| {
+        let pin = contact(chip.contacts());
+        chip.close_contact(pin, does);
+        chip.now()
+    })
 }
 
 /// Drives the break input, or cuts its wire. Returns the instant.

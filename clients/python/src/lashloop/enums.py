@@ -95,6 +95,12 @@ class FaultCode(WireEnum):
     LOAD_ENCODER_LOST = 11
     TICK_OVERRUN = 12
     MOTOR_AGAINST_TORQUE = 13
+    MOTOR_TRAVEL = 14
+    LOAD_TRAVEL = 15
+    STALL = 16
+    OVERLOAD = 17
+    TORQUE_MISSING = 18
+    LIMIT_SWITCH = 19
 
     @property
     def is_firmware_stop(self) -> bool:
@@ -118,6 +124,8 @@ class Outcome(WireEnum):
     ENCODER_IMPLAUSIBLE = 11
     UNKNOWN_REQUEST = 12
     SIGNAL_OF_OTHER_LAW = 13
+    STORE_FAILED = 14
+    NOT_CAPTURED = 15
 
 
 class LogLevel(WireEnum):
@@ -136,6 +144,22 @@ class ParameterType(WireEnum):
     F32 = 2
 
 
+class ZeroSource(WireEnum):
+    """Position that becomes the zero of both encoders."""
+
+    PRESENT = 1
+    HOME = 2
+
+
+class CaptureTrigger(WireEnum):
+    """Event around which a capture records."""
+
+    NOW = 1
+    RISING = 2
+    FALLING = 3
+    FAULT = 4
+
+
 class ParameterFlags(IntFlag):
     """Properties of a parameter. A bit without a name is one of a newer drive and is kept."""
 
@@ -149,6 +173,8 @@ class Capabilities(IntFlag):
     DEVICE_TIME = 0x01
     BENCH_MODE = 0x02
     LOADER = 0x04
+    STORE = 0x08
+    CAPTURE = 0x10
 
     def __str__(self) -> str:
         """Name the capabilities in words, and the bits without a name as a number."""
@@ -163,6 +189,7 @@ class TorqueFlags(IntFlag):
     SATURATED = 0x10
     REPEATED = 0x20
     GAP = 0x40
+    SLEW_LIMITED = 0x80
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 from lashloop.enums import (
     Capabilities,
+    CaptureTrigger,
     FaultCode,
     LogLevel,
     Outcome,
@@ -23,6 +24,7 @@ from lashloop.enums import (
     TorqueFlags,
     TorqueStatus,
     Version,
+    ZeroSource,
 )
 from lashloop.errors import FieldError
 from lashloop.limits import MAX_TELEMETRY_VALUES
@@ -92,7 +94,7 @@ def _unpack_value(data: bytes) -> ParameterValue:
     return ParameterValue(kind, number)
 
 
-def _enum(values: type[State | FaultCode | Outcome | LogLevel]) -> Wire:
+def _enum(values: type[State | FaultCode | Outcome | LogLevel | ZeroSource | CaptureTrigger]) -> Wire:
     return Wire("enum8", "B", f"a {values.__name__}", values, values)
 
 
@@ -149,6 +151,8 @@ StateField = Annotated[State, _enum(State)]
 FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
+ZeroSourceField = Annotated[ZeroSource, _enum(ZeroSource)]
+CaptureTriggerField = Annotated[CaptureTrigger, _enum(CaptureTrigger)]
 StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
 CapabilitiesField = Annotated[Capabilities, Wire("flags8", "B", "8 bits", None, Capabilities)]
 ParameterFlagsField = Annotated[ParameterFlags, Wire("flags8", "B", "8 bits", None, ParameterFlags)]

@@ -12,6 +12,7 @@ from lashloop.layout import (
     U16,
     U32,
     CapabilitiesField,
+    CaptureTriggerField,
     F32s,
     FaultCodeField,
     Layout,
@@ -29,6 +30,7 @@ from lashloop.layout import (
     Text52,
     Value,
     VersionField,
+    ZeroSourceField,
 )
 from lashloop.limits import MINOR_VERSION, PROTOCOL_VERSION
 
@@ -199,6 +201,56 @@ class Reference(HostMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class StoreParameters(HostMessage):
+    """Makes the values in force the defaults, after power-up and `Reset` too."""
+
+    KIND: ClassVar[int] = 0x20
+
+
+@dataclass(frozen=True, slots=True)
+class RecallParameters(HostMessage):
+    """Sets every parameter to its default."""
+
+    KIND: ClassVar[int] = 0x21
+
+
+@dataclass(frozen=True, slots=True)
+class ForgetParameters(HostMessage):
+    """Sets every parameter, and its default, to that of the firmware."""
+
+    KIND: ClassVar[int] = 0x22
+
+
+@dataclass(frozen=True, slots=True)
+class SetZero(HostMessage):
+    """Makes a position of motor and load the zero of both encoders of bench mode."""
+
+    KIND: ClassVar[int] = 0x23
+    source: ZeroSourceField
+
+
+@dataclass(frozen=True, slots=True)
+class Capture(HostMessage):
+    """Records signals around an event, bit n for signal n; no signal ends the capture."""
+
+    KIND: ClassVar[int] = 0x24
+    signals: U32
+    every: U16
+    before: U16
+    trigger: CaptureTriggerField
+    trigger_signal: U8
+    level: F32
+
+
+@dataclass(frozen=True, slots=True)
+class ReadCapture(HostMessage):
+    """Requests rows of the capture, from this one on."""
+
+    KIND: ClassVar[int] = 0x25
+    first: U16
+
+
+@dataclass(frozen=True, slots=True)
 class Identity(DriveMessage):
     """Identity of the drive."""
 
@@ -304,6 +356,16 @@ class ChoiceDescription(DriveMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class CaptureRows(DriveMessage):
+    """Rows of the capture, each with its values in ascending order of the signals' indices."""
+
+    KIND: ClassVar[int] = 0x89
+    first: U16
+    event: U16
+    values: F32s
+
+
+@dataclass(frozen=True, slots=True)
 class TorqueAnswer(DriveMessage):
     """Torque for one sample."""
 
@@ -379,6 +441,12 @@ HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     EnterLoader,
     EncoderSample,
     Reference,
+    StoreParameters,
+    RecallParameters,
+    ForgetParameters,
+    SetZero,
+    Capture,
+    ReadCapture,
 )
 DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     Identity,
@@ -389,6 +457,7 @@ DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     LawDescription,
     SignalDescription,
     ChoiceDescription,
+    CaptureRows,
     TorqueAnswer,
     Telemetry,
     FaultReport,

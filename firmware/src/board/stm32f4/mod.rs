@@ -6,7 +6,9 @@ mod gate_driver;
 #[allow(dead_code, reason = "a board may have no sensor")]
 mod adc;
 mod clock_tree;
+mod contacts;
 mod encoder;
+mod flash;
 mod ports;
 mod pwm;
 mod serial;
@@ -26,6 +28,7 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use ports::{Blocks, Ports};
 
 /// A chip of the family on the selected board.
@@ -39,12 +42,14 @@ impl Chip for Stm32f4 {
     type Usb = usb::Bus;
     type MotorEncoder = fitted::MotorEncoder;
     type LoadEncoder = fitted::LoadEncoder;
+    type Contacts = contacts::ContactPins;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
     type Sensor = fitted::Sensor;
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
+    const STORE: &'static dyn Memory = &flash::Flash;
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
@@ -94,12 +99,12 @@ impl Chip for Stm32f4 {
             spi3: device.SPI3,
             adc: (device.ADC1, device.ADC_COMMON),
         };
-        let (motor, load, stage, sensor) = fitted::start(bench_pins, blocks, &mut rcc);
+        let (motor, load, contacts, stage, sensor) = fitted::start(bench_pins, blocks, &mut rcc);
         let bench = clock.reason_against_bench_mode().is_none().then(|| {
             let tick = timers::Tim5::start(device.TIM5, &mut rcc);
             let monitor = timers::Tim2::start(device.TIM2, &mut rcc);
             watchdog::start(device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, sensor, tick, monitor }
+            Bench { motor, load, contacts, stage, sensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

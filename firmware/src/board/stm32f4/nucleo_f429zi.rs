@@ -9,7 +9,11 @@
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
 //! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
 //! | PE7 | D41 | output | enable input of the power stage |
+//! | PE0 | D34 | output | as PB1 there |
 //! | PC0, PC3 | A1, A2 | ADC1 inputs 10 and 13 | as PC0 and PC1 there |
+//! | PE4 | D57 | input | enable contact, to ground |
+//! | PE5, PE6 | D58, D59 | inputs | negative and positive limit switch, to ground |
+//! | PE3 | D60 | input | home switch, to ground |
 //! | PD8, PD9 | | USART3 | the serial port of its ST-Link: link, see `link` |
 //! | PA11, PA12 | | USB | connector CN13 |
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
@@ -26,6 +30,7 @@ use stm32f4xx_hal::rcc::Rcc;
 use crate::board::amplifier::AmplifierLines;
 use crate::board::pwm_stage::PwmStage;
 use crate::board::stm32f4::adc::Adc;
+use crate::board::stm32f4::contacts::ContactPins;
 use crate::board::stm32f4::encoder::Encoder;
 use crate::board::stm32f4::ports::{Blocks, Ports};
 use crate::board::stm32f4::pwm::Tim1;
@@ -83,6 +88,13 @@ impl AmplifierLines for Lines {
         let port = unsafe { GPIOE::steal() };
         port.bsrr().write(|w| w.br7().set_bit());
     }
+
+    fn set_brake(is_high: bool) {
+        // SAFETY: a store to a pin of no other owner.
+        #[allow(unsafe_code)]
+        let port = unsafe { GPIOE::steal() };
+        port.bsrr().write(|w| w.bs0().bit(is_high).br0().bit(!is_high));
+    }
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
@@ -90,7 +102,7 @@ pub fn start(
     ((motor_a, motor_b), (load_a, load_b), (current, bus), e): BenchPins,
     Blocks { pwm, motor, load, adc, .. }: Blocks,
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>, Sensor) {
+) -> (MotorEncoder, LoadEncoder, ContactPins, PwmStage<Tim1, Lines>, Sensor) {
     let motor_pins = (
         motor_a.into_alternate().internal_resistor(Pull::Up),
         motor_b.into_alternate().internal_resistor(Pull::Up),
@@ -109,8 +121,10 @@ pub fn start(
     e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    e.pe0.into_push_pull_output();
     current.into_analog();
     bus.into_analog();
+    let contacts = ContactPins([e.pe4.into_pull_up_input().erase(), e.pe5.into_pull_up_input().erase(), e.pe6.into_pull_up_input().erase(), e.pe3.into_pull_up_input().erase()]);
     let sensor = Sensor::start(adc, rcc);
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage, sensor)
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), contacts, stage, sensor)
 }

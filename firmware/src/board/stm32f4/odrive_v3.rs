@@ -10,6 +10,9 @@
 //! | PD2 | input | nFAULT of both gate drivers |
 //! | PC10, PC11, PC12 | SPI3 | clock, data out and data in of both gate drivers |
 //! | PC13, PC14 | outputs | chip selects of the gate drivers of M0 and M1; that of M1 stays high |
+//! | PA0 | input | GPIO1: enable contact, to ground |
+//! | PA1, PC4 | inputs | GPIO2 and GPIO5: negative and positive limit switch, to ground |
+//! | PB2 | input | GPIO6: home switch, to ground |
 //! | PA2, PA3 | USART2 | GPIO3 and GPIO4: link, see `link` |
 //! | PA11, PA12 | USB | USB connector |
 //! | OSC_IN, OSC_OUT | 8 MHz crystal | |
@@ -19,7 +22,7 @@
 //! reports a fault until then. The bridge is off while TIM1 holds all gates low.
 
 use stm32f4xx_hal::gpio::{
-    Alternate, Input, PA2, PA3, PA7, PA8, PA9, PA10, PA11, PA12, PB4, PB5, PB6, PB7, PB13, PB14, PD2,
+    Alternate, Input, PA0, PA1, PA2, PA3, PA7, PA8, PA9, PA10, PA11, PA12, PB4, PB5, PB6, PB7, PB13, PB14, PD2,
     PinState, Pull, gpiob, gpioc, gpiod,
 };
 use stm32f4xx_hal::pac::{Interrupt, TIM3, TIM4, USART2};
@@ -27,6 +30,7 @@ use stm32f4xx_hal::rcc::Rcc;
 
 use crate::board::parts::{NoSensor, PwmTimer as _, StageLines};
 use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32f4::contacts::ContactPins;
 use crate::board::stm32f4::encoder::Encoder;
 use crate::board::stm32f4::gate_driver::GateDriver;
 use crate::board::stm32f4::ports::{Blocks, Ports};
@@ -49,11 +53,11 @@ pub const LINK: Interrupt = Interrupt::USART2;
 pub const SENSOR: Interrupt = Interrupt::ADC;
 pub type LinkPins = (PA2, PA3);
 /// The pins of bench mode.
-pub type BenchPins = ((PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
+pub type BenchPins = ((PA0, PA1), (PA7, PA8, PA9, PA10), gpiob::Parts, gpioc::Parts, gpiod::Parts);
 
 /// Port and pins of the link, pins of the USB port, and of bench mode.
 pub fn share(Ports { a, b, c, d, usart2, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((usart2, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
+    ((usart2, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa0, a.pa1), (a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
 }
 
 pub type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
@@ -93,10 +97,10 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
-    ((pa7, pa8, pa9, pa10), b, c, d): BenchPins,
+    ((pa0, pa1), (pa7, pa8, pa9, pa10), b, c, d): BenchPins,
     Blocks { pwm, motor, load, spi3: spi, .. }: Blocks,
     rcc: &mut Rcc,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>, Sensor) {
+) -> (MotorEncoder, LoadEncoder, ContactPins, PwmStage<Tim1, Lines>, Sensor) {
     // The gates of phase C and of M1 stay off.
     pa10.into_pull_down_input();
     b.pb15.into_pull_down_input();
@@ -128,5 +132,6 @@ pub fn start(
     let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
     let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());
     gate_enable.set_high();
-    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage, NoSensor)
+    let contacts = ContactPins([pa0.into_pull_up_input().erase(), pa1.into_pull_up_input().erase(), c.pc4.into_pull_up_input().erase(), b.pb2.into_pull_up_input().erase()]);
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), contacts, stage, NoSensor)
 }

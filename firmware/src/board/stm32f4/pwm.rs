@@ -5,6 +5,9 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::board::parts::{Outputs, PwmTimer, StageLines};
 
+/// Length of the trigger of the sensor before the end of the period, in counts.
+const TRIGGER: u16 = 8;
+
 /// The timer, with its main output off until it is turned on.
 pub struct Tim1(TIM1);
 
@@ -50,8 +53,10 @@ impl PwmTimer for Tim1 {
         // A centred counter turns at the last count, which it has once.
         let last = if is_centred { counts } else { counts - 1 };
         self.0.arr().write(|w| w.arr().set(last));
-        // The sensor is started one count before the end, or the turn.
-        self.0.ccr4().write(|w| w.ccr().set(last - 1));
+        // The sensor is started before the end, or the turn: 8 counts are 48 ns, and the converter samples its trigger at 84 MHz.
+        self.0.ccr4().write(|w| w.ccr().set(last - TRIGGER));
+        // The old prescaler and period would hold until the next update.
+        self.update();
         self.0.cr1().modify(|_, w| w.cen().enabled());
         self.0.ccer().write(|w| {
             w.cc1e().set_bit().cc2e().bit(outputs.has_second);

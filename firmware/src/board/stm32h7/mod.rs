@@ -4,7 +4,9 @@
 //! drive is the same.
 
 mod clock_tree;
+mod contacts;
 mod encoder;
+mod flash;
 mod ports;
 mod pwm;
 mod serial;
@@ -26,6 +28,7 @@ use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::parts::NoSensor;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use ports::{Ports, Timers};
 
 /// A chip of the family on the selected board.
@@ -39,12 +42,14 @@ impl Chip for Stm32h7 {
     type Usb = usb::Bus;
     type MotorEncoder = fitted::MotorEncoder;
     type LoadEncoder = fitted::LoadEncoder;
+    type Contacts = contacts::ContactPins;
     type Pwm = pwm::Tim1;
     type StageLines = fitted::Lines;
     type Sensor = NoSensor;
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
+    const STORE: &'static dyn Memory = &flash::Flash;
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;
@@ -93,12 +98,12 @@ impl Chip for Stm32h7 {
             tim3: (device.TIM3, blocks.TIM3),
             tim4: (device.TIM4, blocks.TIM4),
         };
-        let (motor, load, stage) = fitted::start(bench_pins, timers);
+        let (motor, load, contacts, stage) = fitted::start(bench_pins, timers);
         let bench = clock.reason_against_bench_mode().is_none().then(|| {
             let tick = timers::Tim5::start(device.TIM5, blocks.TIM5);
             let monitor = timers::Tim2::start(device.TIM2, blocks.TIM2);
             watchdog::start(&device.IWDG, &device.DBGMCU);
-            Bench { motor, load, stage, sensor: NoSensor, tick, monitor }
+            Bench { motor, load, contacts, stage, sensor: NoSensor, tick, monitor }
         });
         Started { clock, link, usb, bench }
     }

@@ -9,6 +9,9 @@
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | low sides A and B |
 //! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
 //! | PE7 | D41 | output | enable input of the power stage |
+//! | PE4 | D57 | input | enable contact, to ground |
+//! | PE5, PE6 | D58, D59 | inputs | negative and positive limit switch, to ground |
+//! | PE3 | D60 | input | home switch, to ground |
 //! | PD8, PD9 | | USART3 | the serial port of its ST-Link: link, see `link` |
 //! | PA11, PA12 | | USB | connector CN13 |
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
@@ -20,6 +23,7 @@ use stm32h7xx_hal::pac::{GPIOE, Interrupt, TIM3, TIM4};
 
 use crate::board::amplifier::AmplifierLines;
 use crate::board::pwm_stage::PwmStage;
+use crate::board::stm32h7::contacts::ContactPins;
 use crate::board::stm32h7::encoder::Encoder;
 use crate::board::stm32h7::ports::{Ports, Timers};
 use crate::board::stm32h7::pwm::Tim1;
@@ -82,7 +86,7 @@ impl AmplifierLines for Lines {
 pub fn start(
     ((motor_a, motor_b), (load_a, load_b), e): BenchPins,
     Timers { tim1, tim3, tim4 }: Timers,
-) -> (MotorEncoder, LoadEncoder, PwmStage<Tim1, Lines>) {
+) -> (MotorEncoder, LoadEncoder, ContactPins, PwmStage<Tim1, Lines>) {
     let motor_pins = (
         motor_a.into_alternate().internal_resistor(Pull::Up),
         motor_b.into_alternate().internal_resistor(Pull::Up),
@@ -101,5 +105,6 @@ pub fn start(
     e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
-    (Encoder::new(tim3, motor_pins), Encoder::new(tim4, load_pins), stage)
+    let contacts = ContactPins([e.pe4.into_pull_up_input().erase(), e.pe5.into_pull_up_input().erase(), e.pe6.into_pull_up_input().erase(), e.pe3.into_pull_up_input().erase()]);
+    (Encoder::new(tim3, motor_pins), Encoder::new(tim4, load_pins), contacts, stage)
 }

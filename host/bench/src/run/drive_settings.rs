@@ -94,11 +94,25 @@ impl<'a> DriveSettings<'a> {
         if !scenario.run.mode.is_hil() {
             required
                 .extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, scenario.bench.sample_every.into())]);
+            required.extend(travel(scenario, session));
         } else if let Some(watchdog) = watchdog {
             required.push((WATCHDOG_US, 1e6 * watchdog.as_secs_f64()));
         }
         Ok(Self { required, parameters, subscription, capture, notes })
     }
+}
+
+/// The travel of `[bench]` as limits of a drive that has them: it stops without the host, too. Its zero is the start.
+fn travel(scenario: &Scenario, session: &Session) -> Vec<(&'static str, f64)> {
+    let (Some(limit_rad), BenchStart::Initial) = (scenario.bench.load_travel_limit_rad, scenario.bench.start)
+    else {
+        return Vec::new();
+    };
+    let start_rad = scenario.plant.initial.load_position_rad;
+    let limits =
+        [("load_travel_min_rad", -limit_rad - start_rad), ("load_travel_max_rad", limit_rad - start_rad)];
+    let is_set = |name: &str| scenario.bench.parameters.iter().any(|it| it.name == name);
+    limits.into_iter().filter(|(name, _)| session.parameter(name).is_some() && !is_set(name)).collect()
 }
 
 /// Parameters that keys outside `[controller.parameters]` set: name, key and value.

@@ -118,8 +118,8 @@ settings! {
         pub encoders: EncoderSettings = section(plain),
         /// The drive's control law and parameters.
         pub controller: ControllerSettings = section(plain),
-        /// Encoders and power stage at the drive's pins, as parameters of the drive. In HIL mode the section has no effect;
-        /// an absent key keeps the drive's default.
+        /// Encoders and power stage at the drive's pins, as parameters of the drive: [stages.md](hardware/stages.md). In HIL mode
+        /// the section has no effect; an absent key keeps the drive's default.
         #[serde(skip_serializing_if = "BenchSettings::is_empty")]
         pub bench: BenchSettings = section(plain),
         /// The commanded load position.

@@ -1,7 +1,7 @@
 //! What keeps the values of parameters, and what ends them.
 
 use super::super::range::within;
-use super::values::{defaults, in_force};
+use super::values::{defaults, in_force, set_all};
 use crate::prelude::checks::*;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -62,16 +62,6 @@ fn spread(client: &Client, number: usize) -> Vec<ParameterValue> {
     let steps = parameters.len() + 9;
     let fraction = |place| (place + number + 1) as f64 / steps as f64;
     parameters.iter().enumerate().map(|(place, it)| within(it, fraction(place))).collect()
-}
-
-/// Sets all parameters to these values, in the order of their indices.
-fn set_all(client: &mut Client, values: &[ParameterValue], descending: bool) -> RuleResult {
-    let each = (0..).zip(values).map(|(index, value)| sets(index, *value, Accepted, *value, Idle));
-    let mut each: Vec<Exchange> = each.collect();
-    if descending {
-        each.reverse();
-    }
-    client.exchange("in Idle", &each)
 }
 
 fn run(client: &mut Client) -> Result<(), Failure> {

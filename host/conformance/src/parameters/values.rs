@@ -20,6 +20,16 @@ pub(crate) fn in_force(
     client.exchange(when, &all)
 }
 
+/// Sets all parameters to these values, in the order of their indices.
+pub(crate) fn set_all(client: &mut Client, values: &[ParameterValue], descending: bool) -> RuleResult {
+    let each = (0..).zip(values).map(|(index, value)| sets(index, *value, Accepted, *value, Idle));
+    let mut each: Vec<Exchange> = each.collect();
+    if descending {
+        each.reverse();
+    }
+    client.exchange("in Idle", &each)
+}
+
 /// Sets a live parameter in `Armed` or `Running`. Returns the value in force: the drive may refuse one that contradicts the others.
 pub(crate) fn set_live(
     client: &mut Client,

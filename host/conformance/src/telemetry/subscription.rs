@@ -23,7 +23,7 @@ pub(crate) fn law_signals(client: &Client, law: u8) -> Vec<u8> {
     of_law.map(|it| it.index).collect()
 }
 
-pub(super) fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
+pub(crate) fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
     let state = client.state;
     client.exchange("before", &[result(Subscribe { signals, every }, Accepted, state)])
 }

@@ -39,7 +39,7 @@ impl Drive {
     }
 
     /// The index of the first signal wanted that the law in force lacks.
-    fn lacked(&self, signals: u32) -> Option<usize> {
+    pub(super) fn lacked(&self, signals: u32) -> Option<usize> {
         let law = whole(self.is_set(CONTROLLER));
         let first = self.first_law.filter(|first| *first != law);
         let law =

@@ -16,8 +16,8 @@ use super::requests::whole;
 /// The last fault code of a drive without pins that never halts.
 const LAST_FAULT: u8 = 6;
 /// Names of what a drive without pins and boot loader has not.
-const OF_PINS: [&str; 5] =
-    ["PowerStageFault", "EncoderImplausible", "Reference", "EnterLoader", "BenchSample"];
+const OF_PINS: [&str; 6] =
+    ["PowerStageFault", "EncoderImplausible", "Reference", "EnterLoader", "SetZero", "BenchSample"];
 
 impl Drive {
     pub(super) fn describe(&mut self, request: &HostMessage) {
@@ -31,7 +31,8 @@ impl Drive {
                 let (name, unit) = (Text::new(name), Text::new(unit));
                 self.send(SignalDescription { index: it.index, laws, name, unit });
             }
-            HostMessage::DescribeChoice(it) => match choice(self.values.table, *it).or_else(|| own_name(*it))
+            HostMessage::DescribeChoice(it) => match choice(self.values.table, *it)
+                .or_else(|| own_name(*it).filter(|name| self.knows(name)))
             {
                 Some(name) if self.at.flag("DescribeChoice", "is known", true) => {
                     self.send(ChoiceDescription {
@@ -45,12 +46,13 @@ impl Drive {
             HostMessage::DescribeParameter(it)
                 if self.is_known(request, it.index, self.values.table.len()) =>
             {
-                let parameter = &self.values.table[usize::from(it.index).min(self.values.table.len() - 1)];
+                let place = usize::from(it.index).min(self.values.table.len() - 1);
+                let parameter = &self.values.table[place];
                 self.send(ParameterDescription {
                     index: it.index,
                     flags: parameter.flags,
                     laws: parameter.laws,
-                    default: parameter.default,
+                    default: self.defaults().set[place],
                     min: parameter.min,
                     max: parameter.max,
                     name: Text::new(parameter.name),

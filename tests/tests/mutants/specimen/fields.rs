@@ -70,7 +70,7 @@ fn listed(
     list: &[(u8, &'static str)],
     byte: u8,
 ) -> u8 {
-    let mut bytes: [u8; 16] = [0; 16];
+    let mut bytes: [u8; 32] = [0; 32];
     for (place, (value, _)) in bytes[2..].iter_mut().zip(list) {
         *place = *value;
     }

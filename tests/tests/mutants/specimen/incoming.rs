@@ -16,7 +16,7 @@ enum Incoming {
 }
 
 /// Kinds of the options that the specimen does not have.
-const OPTIONS: [&str; 2] = ["Reference", "EnterLoader"];
+const OPTIONS: [&str; 3] = ["Reference", "EnterLoader", "SetZero"];
 
 impl Drive {
     /// Takes a byte from the line; true if it ended a frame.
@@ -60,8 +60,10 @@ impl Drive {
     /// The request in a whole body.
     fn incoming(&mut self, body: &mut Vec<u8>) -> Incoming {
         let Some(&kind) = body.first() else { return Incoming::Refused };
-        let known = || HostMessage::LAYOUTS.iter().filter(|it| !OPTIONS.contains(&it.name));
+        let known =
+            || HostMessage::LAYOUTS.iter().filter(|it| !OPTIONS.contains(&it.name) && self.knows(it.name));
         let layout = known().find(|it| it.kind == kind);
+        let masked = known().find(|it| it.kind == kind & 0x7f);
         self.number = if has_number(kind) { body.get(1).copied().unwrap_or(0) } else { 0 };
         if layout.is_none() && (1..0x80).contains(&kind) {
             let is_known = self.at.flag("receiver", "an unknown kind counts apart from refused ones", true);
@@ -71,7 +73,7 @@ impl Drive {
         if layout.is_none() && self.at.flag("receiver", "a kind of the other direction is refused", true) {
             return Incoming::Refused;
         }
-        let Some(layout) = layout.or_else(|| known().find(|it| it.kind == kind & 0x7f)) else {
+        let Some(layout) = layout.or(masked) else {
             return Incoming::Refused;
         };
         body[0] = layout.kind;

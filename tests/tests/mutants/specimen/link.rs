@@ -29,8 +29,12 @@ impl Specimen {
 
     /// Of another character.
     pub fn of(character: Character) -> Self {
-        let drive = Drive::new(Sites::new(None, None), &PARAMETERS, character);
-        Self { drive, boot: Instant::now() }
+        Self::like(Sites::new(None, None), character)
+    }
+
+    /// As [`Self::of`], with these sites.
+    pub fn like(sites: Sites, character: Character) -> Self {
+        Self { drive: Drive::new(sites, &PARAMETERS, character), boot: Instant::now() }
     }
 
     fn us(&self, instant: Instant) -> f64 {

@@ -9,6 +9,7 @@ mod events;
 mod fields;
 mod incoming;
 mod link;
+mod options;
 mod receiver;
 mod requests;
 mod run;
@@ -22,6 +23,7 @@ use lashloop_protocol::{DriveMessage, Message};
 
 use crate::mutation::{Sites, Width};
 use description::Table;
+use options::Recording;
 use receiver::Receiver;
 use run::{Run, Values};
 
@@ -42,10 +44,13 @@ pub struct Character {
     pub look_us: f64,
     /// Drops what follows the first frame of a write, which the page forbids.
     pub loses_bursts: bool,
+    /// Stores parameters and captures signals.
+    pub has_options: bool,
 }
 
 impl Character {
-    pub const USUAL: Self = Self { is_chatty: false, has_clock: true, look_us: 1_000.0, loses_bursts: false };
+    pub const USUAL: Self =
+        Self { is_chatty: false, has_clock: true, look_us: 1_000.0, loses_bursts: false, has_options: false };
 }
 
 /// The drive behind its receiver.
@@ -60,6 +65,9 @@ struct Drive {
     /// Number of the request being answered; 0 for a sample.
     number: u8,
     values: Values,
+    /// The stored parameters.
+    stored: Option<Values>,
+    recording: Option<Recording>,
     signals: u32,
     every: u16,
     fault: Option<FaultReport>,
@@ -92,6 +100,8 @@ impl Drive {
             session: None,
             number: 0,
             values: Values::defaults(table),
+            stored: None,
+            recording: None,
             signals: 0,
             every: 0,
             fault: None,
@@ -109,7 +119,7 @@ impl Drive {
     }
 
     fn defaults(&self) -> Values {
-        Values::defaults(self.values.table)
+        self.stored.unwrap_or_else(|| Values::defaults(self.values.table))
     }
 
     fn state(&self) -> State {
@@ -117,6 +127,9 @@ impl Drive {
     }
 
     fn set_state(&mut self, state: State) {
+        if self.state() == State::Running && state != State::Running {
+            self.capture_end(state == State::Faulted);
+        }
         self.at.state.set(state);
     }
 

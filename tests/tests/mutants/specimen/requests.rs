@@ -16,6 +16,9 @@ const VERSION: u8 = 1;
 
 impl Drive {
     pub(super) fn handle(&mut self, request: HostMessage) {
+        if self.option(&request) {
+            return;
+        }
         let row = self.row(&request);
         let is_sample_of_run = row == "EncoderSample" && self.state() == State::Running;
         match request {
@@ -96,7 +99,7 @@ impl Drive {
             }
             self.set_state(state);
         }
-        let mut capabilities = Capabilities::empty();
+        let mut capabilities = self.options();
         capabilities.set(Capabilities::DEVICE_TIME, self.character.has_clock);
         self.send(Identity {
             protocol_version: VERSION,
@@ -272,10 +275,14 @@ impl Drive {
         self.watches_in_boot = has_run && !self.at.flag("Reset restores", "no watchdog", true);
         self.first_law = None;
         let restores = |what| self.at.flag("Reset restores", what, true);
-        for (stored, parameter) in self.values.set.iter_mut().zip(self.values.table) {
+        let defaults = self.defaults().set;
+        for ((value, default), parameter) in self.values.set.iter_mut().zip(defaults).zip(self.values.table) {
             if restores(parameter.name) {
-                *stored = parameter.default;
+                *value = default;
             }
+        }
+        if self.recording.is_some() && restores("no capture") {
+            self.recording = None;
         }
         if restores("no subscription") {
             (self.signals, self.every) = (0, 0);

@@ -121,6 +121,7 @@ impl Drive {
             run.answer = Some(answer);
         }
         self.telemetry(sequence, &torque.signals);
+        self.capture_step(&torque.signals);
     }
 
     /// Sends a torque. Outside `Running` a mistaken drive sends the last one of the run.

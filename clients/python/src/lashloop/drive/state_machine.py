@@ -24,6 +24,7 @@ from lashloop.layout import has_number
 from lashloop.limits import PROTOCOL_VERSION
 from lashloop.messages import (
     Arm,
+    Capture,
     ClearFault,
     CommandResult,
     DescribeChoice,
@@ -35,15 +36,20 @@ from lashloop.messages import (
     EncoderSample,
     EnterLoader,
     FaultReport,
+    ForgetParameters,
     GetParameter,
     Hello,
     HostMessage,
     ParameterReport,
+    ReadCapture,
+    RecallParameters,
     Reference,
     Reset,
     SetParameter,
+    SetZero,
     Start,
     Stop,
+    StoreParameters,
     Subscribe,
     TorqueAnswer,
 )
@@ -195,6 +201,9 @@ class Drive:
             case Reference() | EnterLoader():
                 # This drive has neither pins, so there is no bench mode, nor a boot loader.
                 self._conclude(message, Result(Outcome.WRONG_STATE))
+            case StoreParameters() | RecallParameters() | ForgetParameters() | SetZero() | Capture() | ReadCapture():
+                # It stores and captures nothing, and has no encoders.
+                self._conclude(message, Result(Outcome.UNKNOWN_REQUEST))
             case Reset():
                 self._safety = Safety()
                 self.parameters.restore_defaults()

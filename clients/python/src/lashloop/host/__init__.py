@@ -1,6 +1,7 @@
 """The host's side of the protocol."""
 
 from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
+from lashloop.host.captured import Captured
 from lashloop.host.client import Host
 from lashloop.host.description import Parameter, Signal
 from lashloop.host.errors import (
@@ -22,6 +23,7 @@ from lashloop.host.line import TimeLimits
 
 __all__ = [
     "AtStep",
+    "Captured",
     "CountError",
     "DescriptionError",
     "DriveFaultError",

@@ -27,6 +27,10 @@ _UNITS = {
     FaultCode.LOAD_ENCODER_LOST: "rad",
     FaultCode.TICK_OVERRUN: "s",
     FaultCode.MOTOR_AGAINST_TORQUE: "rad",
+    FaultCode.MOTOR_TRAVEL: "rad",
+    FaultCode.LOAD_TRAVEL: "rad",
+    FaultCode.STALL: "s",
+    FaultCode.TORQUE_MISSING: "s",
 }
 
 

@@ -21,7 +21,8 @@ import secrets
 import time
 from typing import TYPE_CHECKING
 
-from lashloop.enums import Outcome, State
+from lashloop.enums import CaptureTrigger, Outcome, State, ZeroSource
+from lashloop.host.captured import Captured
 from lashloop.host.describe import DriveDescription, check_counts, describe
 from lashloop.host.errors import (
     ParameterRejectedError,
@@ -37,20 +38,27 @@ from lashloop.limits import MAX_TELEMETRY_VALUES, PROTOCOL_VERSION
 from lashloop.link import DEFAULT_BAUD, LinkError, open_port
 from lashloop.messages import (
     Arm,
+    Capture,
+    CaptureRows,
     ClearFault,
     CommandResult,
     DriveMessage,
     EmergencyStop,
+    ForgetParameters,
     GetParameter,
     Hello,
     HostMessage,
     Identity,
     LineReport,
     ParameterReport,
+    ReadCapture,
+    RecallParameters,
     Reset,
     SetParameter,
+    SetZero,
     Start,
     Stop,
+    StoreParameters,
     Subscribe,
 )
 
@@ -86,6 +94,7 @@ class Host:
         self._description: DriveDescription | None = None
         self._may_be_running = False
         self._run = Lockstep(self._line)
+        self._captured: tuple[tuple[str, ...], int] = ((), 1)
         self._line.clear()
         self.identity = self._handshake()
 
@@ -212,14 +221,77 @@ class Host:
             names = [it.name for it in self.signals.values() if law in it.laws][:MAX_TELEMETRY_VALUES]
         else:
             names = list(signals)
+        wanted, bits = self._selected(names)
+        self._command(Subscribe(bits, every))
+        # Answers keep their order, so all telemetry from now on is of this subscription.
+        self._line.subscription = wanted
+        return wanted
+
+    def store_parameters(self) -> None:
+        """Make the values in force the defaults, after power-up and `reset` too. `RejectedError` if none are stored."""
+        self._command(StoreParameters())
+        self._description = None
+
+    def recall_parameters(self) -> None:
+        """Set every parameter to its default."""
+        self._command(RecallParameters())
+
+    def forget_parameters(self) -> None:
+        """Make those of the firmware the defaults, and set every parameter to its default."""
+        self._command(ForgetParameters())
+        self._description = None
+
+    def set_zero(self, source: ZeroSource = ZeroSource.PRESENT) -> None:
+        """Make a position of motor and load the zero of the drive's own encoders."""
+        self._command(SetZero(source))
+
+    def capture(
+        self,
+        signals: Iterable[str],
+        *,
+        every: int = 1,
+        before: int = 0,
+        trigger: CaptureTrigger = CaptureTrigger.NOW,
+        of: str | None = None,
+        level: float = 0.0,
+    ) -> tuple[str, ...]:
+        """Record up to four signals in every n-th control step, and return them in the order of the drive.
+
+        `before` rows precede the event: `trigger` of the signal `of`, by default the first one, at `level`. No signal
+        ends the capture. `UnknownSignalError` names a signal that the drive does not have. `RejectedError` for what the
+        drive refuses, such as more rows before the event than it holds.
+        """
+        wanted, bits = self._selected(list(signals))
+        (of_trigger, *_), _ = self._selected([of]) if of else (wanted or ("",), 0)
+        index = self.signals[of_trigger].index if of_trigger else 0
+        self._command(Capture(bits, every, before, trigger, index, level))
+        self._captured = (wanted, every)
+        return wanted
+
+    def read_capture(self) -> Captured:
+        """Return the capture of this host. `RejectedError` with `NOT_CAPTURED` before it is complete."""
+        signals, every = self._captured
+        values: list[float] = []
+        event = 0
+        while True:
+            request = ReadCapture(len(values) // max(len(signals), 1))
+            answer = self._line.request(request, _rows_from(request.first))
+            if isinstance(answer, CaptureRows):
+                values += answer.values
+                event = answer.event
+                continue
+            if isinstance(answer, CommandResult) and answer.outcome is not Outcome.UNKNOWN_INDEX:
+                raise rejection(self._line, request, answer)
+            rows = zip(*[iter(values)] * len(signals), strict=False)
+            return Captured(signals, every, event, tuple(rows))
+
+    def _selected(self, names: list[str]) -> tuple[tuple[str, ...], int]:
+        """Return these signals in the order of the drive, and their bits."""
         for name in names:
             if name not in self.signals:
                 raise UnknownSignalError(name, difflib.get_close_matches(name, self.signals))
         wanted = tuple(it for it in self.signals if it in names)
-        self._command(Subscribe(sum(1 << self.signals[it].index for it in wanted), every))
-        # Answers keep their order, so all telemetry from now on is of this subscription.
-        self._line.subscription = wanted
-        return wanted
+        return wanted, sum(1 << self.signals[it].index for it in wanted)
 
     def arm(self) -> None:
         """Arm the drive. Torque stays zero."""
@@ -319,6 +391,11 @@ class Host:
 
 def _result_of(request: int) -> Callable[[DriveMessage], CommandResult | None]:
     return lambda it: it if isinstance(it, CommandResult) and it.request == request else None
+
+
+def _rows_from(first: int) -> Callable[[DriveMessage], CaptureRows | CommandResult | None]:
+    result = _result_of(ReadCapture.KIND)
+    return lambda it: it if isinstance(it, CaptureRows) and it.first == first else result(it)
 
 
 def _report_of(index: int) -> Callable[[DriveMessage], ParameterReport | None]:

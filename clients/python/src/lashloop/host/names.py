@@ -34,6 +34,8 @@ _CAUSES = {
         3: "no supply",
         4: "overcurrent",
         5: "overtemperature",
+        6: "current sensor",
+        7: "overvoltage",
     },
     Outcome.ENCODER_IMPLAUSIBLE: {
         1: "the encoders were not read since power-up",
@@ -41,6 +43,14 @@ _CAUSES = {
         3: "the load encoder moved too fast",
         4: "both channels of the motor encoder changed at once",
         5: "both channels of the load encoder changed at once",
+    },
+    Outcome.STORE_FAILED: {
+        1: "the memory can't be written",
+        2: "the memory is full until the next power-up",
+    },
+    Outcome.NOT_CAPTURED: {
+        1: "the event has not come yet",
+        2: "the drive still records",
     },
 }
 
