@@ -317,19 +317,14 @@ impl<L: LawSet> Drive<L> {
                 Reply::Torque(answer) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
-                    self.scope.step(None, || run.signals());
-                    if self.subscription.is_due(sample.sequence)
-                        && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &run.signals())
-                    {
-                        self.output.send(telemetry);
-                    }
+                    self.observe(sample.sequence, None);
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
                 Reply::OutOfSequence => self.refuse_sample(Outcome::OutOfSequence, arrived),
                 Reply::OfPins => self.refuse_sample(Outcome::WrongState, arrived),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
-                    self.scope.step(Some(&violation), || run.signals());
+                    self.observe(sample.sequence, Some(&violation));
                     let fault = self.latch(violation, arrived);
                     self.send_zero_torque(sample.sequence, flags, arrived, clock);
                     self.output.send(fault);

@@ -36,6 +36,7 @@
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
 //! | `scope` | a capture: signals around an event, at the rate of the loop |
+//! | `observation` | what a step leaves besides its torque: a row of the capture, telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
@@ -56,6 +57,7 @@ mod loader;
 mod loader_entry;
 mod machine;
 mod motor_direction;
+mod observation;
 mod output;
 mod parameters;
 mod pin_parameters;
