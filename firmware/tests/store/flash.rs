@@ -134,6 +134,10 @@ impl Memory for Flash {
         (!cells.torn.contains(&line)).then(|| cells.lines[line])
     }
 
+    fn is_blank(&self, first: usize, lines: usize) -> bool {
+        (first..first + lines).all(|line| self.read(line) == Some(BLANK))
+    }
+
     fn program(&self, line: usize, words: &Line) {
         self.cells().program(line, words);
     }
