@@ -35,6 +35,9 @@ pub trait Memory: Sync {
     /// A line; `None` if its code shows that it can't be read, as after a loss of power while it was programmed.
     fn read(&self, line: usize) -> Option<Line>;
 
+    /// Whether lines are readable and blank. A start calls it for a whole sector.
+    fn is_blank(&self, first: usize, lines: usize) -> bool;
+
     /// Programs a blank line. Whether it has succeeded is shown by [`Self::read`].
     fn program(&self, line: usize, words: &Line);
 

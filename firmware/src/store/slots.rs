@@ -58,7 +58,7 @@ impl Store {
             }
         }
         let other = newest.map_or(1, |newest| 1 - newest.slot / SECTOR_SLOTS);
-        if !is_blank(memory, other * SECTOR_LINES, SECTOR_LINES) {
+        if !memory.is_blank(other * SECTOR_LINES, SECTOR_LINES) {
             memory.erase(other);
         }
         Self { memory, newest, writing: None }
@@ -90,7 +90,7 @@ impl Store {
     pub fn begin(&mut self, count: usize) -> Result<(), StoreError> {
         let (last, sequence) = self.newest.map_or((SLOTS - 1, 0), |newest| (newest.slot, newest.sequence));
         let mut slots = (1..=SLOTS).map(|after| (last + after) % SLOTS);
-        let slot = slots.find(|slot| is_blank(self.memory, slot * SLOT_LINES, SLOT_LINES));
+        let slot = slots.find(|slot| self.memory.is_blank(slot * SLOT_LINES, SLOT_LINES));
         let record =
             Record { slot: slot.ok_or(StoreError::Full)?, sequence: sequence.wrapping_add(1), count };
         self.writing = Some(Writing { record, written: 0, check: record.check() });
@@ -132,11 +132,6 @@ impl Store {
         self.writing = None;
         Progress::Done(if is_good { Ok(()) } else { Err(StoreError::Refused) })
     }
-}
-
-fn is_blank(memory: &dyn Memory, first: usize, lines: usize) -> bool {
-    (first..first + lines)
-        .all(|line| memory.read(line).is_some_and(|words| words.iter().all(|word| *word == u32::MAX)))
 }
 
 fn is_valid(memory: &dyn Memory, record: &Record, check: u32) -> bool {

@@ -74,7 +74,7 @@ impl Cells {
             if self.has_gone() {
                 self.lines[line][at] = self.random();
                 // The code of a line that was cut may agree by chance with what is there, or show that it can't be read.
-                if self.has_code && self.random() % 2 == 0 {
+                if self.has_code && self.random().is_multiple_of(2) {
                     self.torn.insert(line);
                 }
             } else {
@@ -95,9 +95,9 @@ impl Cells {
                     for at in 0..LINE_WORDS {
                         let (some, any) = (self.random(), self.random());
                         let word = &mut self.lines[line][at];
-                        *word = if any % 8 == 0 { some } else { *word | some };
+                        *word = if any.is_multiple_of(8) { some } else { *word | some };
                     }
-                    if self.has_code && self.random() % 4 == 0 {
+                    if self.has_code && self.random().is_multiple_of(4) {
                         self.torn.insert(line);
                     }
                 }
@@ -132,6 +132,10 @@ impl Memory for Flash {
     fn read(&self, line: usize) -> Option<Line> {
         let cells = self.cells();
         (!cells.torn.contains(&line)).then(|| cells.lines[line])
+    }
+
+    fn is_blank(&self, first: usize, lines: usize) -> bool {
+        (first..first + lines).all(|line| self.read(line) == Some(BLANK))
     }
 
     fn program(&self, line: usize, words: &Line) {

@@ -7,7 +7,7 @@ use core::ptr;
 
 use stm32f4xx_hal::pac::FLASH;
 
-use crate::store::{Line, Memory};
+use crate::store::{LINE_WORDS, Line, Memory};
 
 /// Address of the first sector, and its number in FLASH_CR; the other one follows.
 #[cfg(feature = "stm32f405")]
@@ -61,6 +61,13 @@ impl Memory for Flash {
         // SAFETY: the sectors are readable, and no variable is there: `memory.x` ends before them.
         #[allow(unsafe_code)]
         Some(unsafe { ptr::read_volatile(place(line).cast()) })
+    }
+
+    fn is_blank(&self, first: usize, lines: usize) -> bool {
+        let words = lines * LINE_WORDS;
+        // SAFETY: as in `read`.
+        #[allow(unsafe_code)]
+        (0..words).all(|at| unsafe { ptr::read_volatile(place(first).add(at)) } == u32::MAX)
     }
 
     fn program(&self, line: usize, words: &Line) {

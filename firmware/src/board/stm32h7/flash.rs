@@ -3,7 +3,7 @@
 //! The core runs from the first bank, and so doesn't stand still while the second one is programmed, or erased.
 //!
 //! Each line of 256 bits has a code. A line whose programming was cut may have two wrong bits, and reading it is then a bus fault
-//! (RM0433 4.7.7). [`Memory::read`] reads with FAULTMASK set and BFHFNMIGN: the fault is ignored, and a flag of the bank reports it.
+//! (RM0433 4.7.7). [`readable`] reads with FAULTMASK set and BFHFNMIGN: the fault is ignored, and a flag of the bank reports it.
 
 use core::arch::asm;
 use core::ptr;
@@ -12,7 +12,7 @@ use cortex_m::peripheral::SCB;
 use stm32h7xx_hal::pac::FLASH;
 use stm32h7xx_hal::pac::flash::BANK;
 
-use crate::store::{Line, Memory};
+use crate::store::{LINE_WORDS, Line, Memory};
 
 /// Address of the first sector, and its number in the bank; the other one follows.
 const FIRST: (usize, u8) = (0x081c_0000, 6);
@@ -71,22 +71,39 @@ fn wait(bank: &BANK) {
     }
 }
 
+/// What reads the memory, without bus faults; `None` if a line can't be read.
+fn readable<T>(read: impl FnOnce() -> T) -> Option<T> {
+    let bank = bank();
+    clear_flags(bank);
+    // SAFETY: the mask is on for the reading alone, and nothing in between can fault but the reading.
+    #[allow(unsafe_code)]
+    unsafe {
+        (*SCB::PTR).ccr.modify(|it| it | IGNORE_BUS_FAULTS);
+        asm!("cpsid f", "dsb", "isb", options(nostack));
+    }
+    let found = read();
+    // SAFETY: as above.
+    #[allow(unsafe_code)]
+    unsafe {
+        asm!("dsb", "cpsie f", options(nostack));
+        (*SCB::PTR).ccr.modify(|it| it & !IGNORE_BUS_FAULTS);
+    }
+    bank.sr.read().dbeccerr().bit_is_clear().then_some(found)
+}
+
 impl Memory for Flash {
     fn read(&self, line: usize) -> Option<Line> {
-        let bank = bank();
-        clear_flags(bank);
-        // SAFETY: the sectors are readable, and no variable is there: `memory.x` ends before them. The mask is on for the reading
-        // alone, and nothing in between can fault but the reading.
+        // SAFETY: the sectors are readable, and no variable is there: `memory.x` ends before them.
         #[allow(unsafe_code)]
-        let words = unsafe {
-            (*SCB::PTR).ccr.modify(|it| it | IGNORE_BUS_FAULTS);
-            asm!("cpsid f", "dsb", "isb", options(nostack));
-            let words = ptr::read_volatile(place(line).cast());
-            asm!("dsb", "cpsie f", options(nostack));
-            (*SCB::PTR).ccr.modify(|it| it & !IGNORE_BUS_FAULTS);
-            words
-        };
-        bank.sr.read().dbeccerr().bit_is_clear().then_some(words)
+        readable(|| unsafe { ptr::read_volatile(place(line).cast()) })
+    }
+
+    fn is_blank(&self, first: usize, lines: usize) -> bool {
+        let words = lines * LINE_WORDS;
+        // SAFETY: as in `read`.
+        #[allow(unsafe_code)]
+        let is_word_blank = |at| unsafe { ptr::read_volatile(place(first).add(at)) } == u32::MAX;
+        readable(|| (0..words).all(is_word_blank)) == Some(true)
     }
 
     fn program(&self, line: usize, words: &Line) {
