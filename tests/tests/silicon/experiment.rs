@@ -5,7 +5,6 @@ use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use tests::paper::PATIENCE;
 use tests::program::{self, lashloop};
 use tests::records::Records;
 use tests::terminal::{self, Terminal};
@@ -118,7 +117,9 @@ pub(crate) fn at_a_bridge() {
         arguments.extend(["--set".to_owned(), setting]);
     }
     arguments.extend(["--out".to_owned(), records.out()]);
-    program::run(arguments.into_iter().chain(PATIENCE.map(str::to_owned))).with_code(0);
+    let ended =
+        program::run(arguments.into_iter().chain(tests::paper::PATIENCE.map(str::to_owned))).with_code(0);
+    assert_eq!(ended.stdout.matches("simulation PASS, experiment PASS").count(), 4, "{}", ended.stdout);
     let count_rad = std::f64::consts::TAU / f64::from(COUNTS_PER_REV);
     for (when, least_rad, most_rad) in [("before", 0.3, 0.34), ("after", 0.0, count_rad)] {
         let error_rad = |of: &str| {
