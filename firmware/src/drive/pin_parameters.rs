@@ -80,11 +80,11 @@ crate::parameters! {
         stall_time_s: F32 = 0.5 in 0.001..=1e3, "s";
         /// Longest time in which the measured torque is less than half the command.
         missing_torque_time_s: F32 = 0.5 in 0.001..=1e3, "s";
-        /// Torque that the motor bears for ever.
+        /// Torque that the motor bears forever.
         torque_continuous_nm: F32 = 1e5 in 1e-4..=1e5, "N m";
         /// Thermal time constant of the winding.
         motor_thermal_s: F32 = 30.0 in 0.01..=1e5, "s";
-        /// Current that the bridge bears for ever.
+        /// Current that the bridge bears forever.
         current_continuous_a: F32 = 1e5 in 0.01..=1e5, "A";
         /// Thermal time constant of the bridge.
         stage_thermal_s: F32 = 1.0 in 0.01..=1e5, "s";

@@ -8,7 +8,7 @@ use crate::signals::{DriveSignal, bits};
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaptureRequest {
     /// One to four signals; sorted by their index.
-    signals: Vec<DriveSignal>,
+    pub(crate) signals: Vec<DriveSignal>,
     /// Steps from one row to the next.
     pub every: u16,
     /// Most rows before the event.

@@ -118,7 +118,7 @@ fn a_bus_without_voltage_arms_nothing_and_a_weak_one_ends_the_run() {
     assert_eq!(stage_fault(&mut host), 3);
 }
 
-/// The shaft turns against the torque: 24 V times 21 A go back, less the losses, into a bus of 1 mF.
+/// The shaft turns against the torque: 24 V times 21 A go back, minus the losses, into a bus of 1 mF.
 #[test]
 fn braking_into_a_supply_that_takes_nothing_ends_in_overvoltage() {
     let motor = ElectricalParameters { reverse_current: ReverseCurrent::Blocked, ..motor() };
