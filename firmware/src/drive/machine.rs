@@ -13,6 +13,7 @@ use lashloop_protocol::{
 use super::clock::Clock;
 use super::descriptions;
 use super::identity::identity;
+use super::keep::Keep;
 use super::lifecycle::Lifecycle;
 use super::line_counts::LineCounts;
 use super::loader::Loader;
@@ -23,7 +24,6 @@ use super::refusal::Refusal;
 use super::run::{Reply, Run};
 use super::safety::Violation;
 use super::scope::{Captured, Scope};
-use super::store::Keep;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
 use crate::law::LawSet;

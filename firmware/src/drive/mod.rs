@@ -31,7 +31,7 @@
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
-//! | `store` | the requests to store, recall and forget them |
+//! | `store`, `keep` | the requests to store, recall and forget them |
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
@@ -50,6 +50,7 @@ mod control_loop;
 mod descriptions;
 mod guard;
 mod identity;
+mod keep;
 mod lifecycle;
 mod line_counts;
 mod lists;

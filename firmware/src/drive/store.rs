@@ -1,21 +1,12 @@
 //! The requests to store, recall and forget parameters.
 
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{ForgetParameters, RecallParameters, StoreParameters};
-use lashloop_protocol::wire::Payload;
 
+use super::keep::Keep;
 use super::machine::Drive;
 use super::refusal::Refusal;
 use crate::law::LawSet;
 use crate::store::{Progress, Store, StoreError};
-
-/// The requests, by their kinds on the wire.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Keep {
-    Store = StoreParameters::LAYOUT.kind as isize,
-    Recall = RecallParameters::LAYOUT.kind as isize,
-    Forget = ForgetParameters::LAYOUT.kind as isize,
-}
 
 impl<L: LawSet> Drive<L> {
     /// The drive after power-up, with a store: its parameters are those that were stored. [`Self::continue_storing`] is to be

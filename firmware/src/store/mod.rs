@@ -11,36 +11,15 @@
 //! | module | is |
 //! |---|---|
 //! | `entry` | a parameter as key and word, for firmware that has other parameters |
+//! | `memory` | [`Memory`]: two sectors of flash, and how they are divided |
 //! | `record` | the lines of a record |
 //! | `slots` | [`Store`]: which slot, and the steps of a store |
 
 pub mod entry;
+mod memory;
 mod record;
 mod slots;
 
-pub use record::{BLANK, LINE_WORDS, Line, PAIRS_MAX};
+pub use memory::{BLANK, LINE_WORDS, Line, Memory, SECTOR_LINES, SECTORS};
+pub use record::PAIRS_MAX;
 pub use slots::{Progress, Store, StoreError};
-
-/// Lines of a slot.
-const SLOT_LINES: usize = 64;
-/// Slots of a sector.
-const SECTOR_SLOTS: usize = 64;
-/// Lines of a sector: 128 KiB.
-pub const SECTOR_LINES: usize = SECTOR_SLOTS * SLOT_LINES;
-/// Sectors of a store.
-pub const SECTORS: usize = 2;
-
-/// Two sectors of flash, whose lines are numbered through both.
-pub trait Memory: Sync {
-    /// A line; `None` if its code shows that it can't be read, as after a loss of power while it was programmed.
-    fn read(&self, line: usize) -> Option<Line>;
-
-    /// Whether lines are readable and blank. A start calls it for a whole sector.
-    fn is_blank(&self, first: usize, lines: usize) -> bool;
-
-    /// Programs a blank line. Whether it has succeeded is shown by [`Self::read`].
-    fn program(&self, line: usize, words: &Line);
-
-    /// Erases a sector. The core may stand still for two seconds, so no watchdog may run.
-    fn erase(&self, sector: usize);
-}

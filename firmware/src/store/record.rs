@@ -2,14 +2,7 @@
 
 use lashloop_protocol::crc;
 
-use super::SLOT_LINES;
-
-/// Words of a line: the 256 bits that an STM32H7 programs at once.
-pub const LINE_WORDS: usize = 8;
-/// A line.
-pub type Line = [u32; LINE_WORDS];
-/// A line after its sector has been erased.
-pub const BLANK: Line = [u32::MAX; LINE_WORDS];
+use super::memory::{LINE_WORDS, Line, SLOT_LINES};
 
 /// Pairs of a line; none lies across two.
 pub(super) const LINE_PAIRS: usize = LINE_WORDS / 2;

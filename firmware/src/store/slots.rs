@@ -1,7 +1,7 @@
 //! The store: which record counts, which slot comes next, and the steps from a request to a valid record.
 
-use super::record::{BLANK, LINE_PAIRS, LINE_WORDS, Line, Record, chain};
-use super::{Memory, SECTOR_LINES, SECTOR_SLOTS, SECTORS, SLOT_LINES};
+use super::memory::{BLANK, LINE_WORDS, Line, Memory, SECTOR_LINES, SECTOR_SLOTS, SECTORS, SLOT_LINES};
+use super::record::{LINE_PAIRS, Record, chain};
 
 const SLOTS: usize = SECTORS * SECTOR_SLOTS;
 

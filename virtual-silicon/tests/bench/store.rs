@@ -137,7 +137,7 @@ fn a_full_sector_is_erased_at_the_next_start_before_the_watchdog_runs() {
     assert_eq!(values(&mut host), both(5_064));
     assert_eq!(host.bench.act(|chip, _| chip.resets()), 1, "none by the watchdog");
     assert!(dump(&mut host, SECTOR, SECTOR_BYTES).iter().all(|byte| *byte == 0xff));
-    // The other sector goes on.
+    // A sector that was erased is not erased again.
     restart(&mut host, START);
     assert_eq!(values(&mut host), both(5_064));
 }
