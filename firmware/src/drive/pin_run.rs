@@ -23,6 +23,8 @@ pub(super) struct PinRun {
     parameters: PinParameters,
     modulation: Modulation,
     period: Duration,
+    /// Largest change of the torque in a period, in N m.
+    slew_nm: f32,
     motor_rad: f32,
     /// One count of the load encoder in rad at the motor.
     load_rad: f32,
@@ -64,10 +66,12 @@ impl PinRun {
         now: Duration,
     ) -> Result<Self, ParameterError> {
         let period = Duration::from_micros(drive.period_us.into());
+        let slew_nm_s = parameters.torque_slew_nm_s;
         Ok(Self {
             modulation: parameters.modulation(pins.hardware())?,
             parameters,
             period,
+            slew_nm: slew_nm_s * drive.period_s(),
             motor_rad: TAU / drive.motor_counts_per_rev as f32,
             load_rad: TAU / drive.load_counts_per_rev as f32 * drive.reduction_ratio,
             reduction_ratio: drive.reduction_ratio,
@@ -203,6 +207,11 @@ impl PinRun {
             moved(here.0, check.near.0, self.motor_rad) < moved(here.1, check.near.1, self.load_rad);
         let code = if motor_moved_less { FaultCode::MotorEncoderLost } else { FaultCode::LoadEncoderLost };
         Err(Violation { code, value: change, limit, detail: 0 })
+    }
+
+    /// A torque that is near enough to the last one, all in N m.
+    pub(super) fn slow_down(&self, torque_nm: f32, last_nm: f32) -> f32 {
+        Real::clamp(torque_nm, last_nm - self.slew_nm, last_nm + self.slew_nm)
     }
 
     /// Checks the limits that hold without a host, see [`Guard::check`].

@@ -68,11 +68,7 @@ impl<L: LawSet> Run<L> {
         now: Duration,
     ) -> Self {
         let watchdog = Watchdog::start(parameters.watchdog_us, now);
-        let slew_nm_s = match &source {
-            Source::Link { .. } => f32::INFINITY,
-            Source::Pins(pins) => pins.parameters().torque_slew_nm_s,
-        };
-        Self { control, limits: Limits::new(parameters, slew_nm_s), watchdog, torque_nm: 0.0, source }
+        Self { control, limits: Limits::new(parameters), watchdog, torque_nm: 0.0, source }
     }
 
     /// The held torque in N m.
@@ -146,14 +142,19 @@ impl<L: LawSet> Run<L> {
         let torque = self.step(&sample, 1, held_nm);
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
-        let torque = torque.and_then(|torque| {
-            pins.check_limits(&sample, readings, [commanded_nm, held_nm, torque.0])?;
+        let torque = torque.and_then(|(clamped_nm, requested_nm)| {
+            let torque_nm = pins.slow_down(clamped_nm, commanded_nm);
+            let mut flags = TorqueFlags::empty();
+            flags.set(TorqueFlags::SLEW_LIMITED, torque_nm != clamped_nm);
+            flags.set(TorqueFlags::SATURATED, clamped_nm != requested_nm && torque_nm == clamped_nm);
+            self.torque_nm = torque_nm;
+            pins.check_limits(&sample, readings, [commanded_nm, held_nm, torque_nm])?;
             if !self.control.takes_torque() {
                 pins.check_direction(&sample, held_nm)?;
             }
             pins.check_twist(&sample, self.control.twist_rad())?;
             pins.check_end(due, now)?;
-            Ok(torque)
+            Ok((torque_nm, flags))
         });
         let (torque_nm, flags, fault) = match torque {
             Ok((torque_nm, flags)) => (torque_nm, flags, None),
@@ -177,8 +178,8 @@ impl<L: LawSet> Run<L> {
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
         match self.step(sample, periods, self.torque_nm) {
-            Ok((torque_nm, of_torque)) => {
-                flags |= of_torque;
+            Ok((torque_nm, requested_nm)) => {
+                flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
                 let elapsed = clock.now().saturating_sub(arrived);
                 let answer = torque_answer(sample.sequence, torque_nm, State::Running, flags, elapsed);
                 self.source = Source::Link { last_answer: Some(answer) };
@@ -201,19 +202,18 @@ impl<L: LawSet> Run<L> {
         }
     }
 
-    /// The torque in N m, and what limited it. `applied_torque_nm` is that since the last step.
+    /// The torques in N m, after the limit and before it. `applied_torque_nm` is that since the last step.
     fn step(
         &mut self,
         sample: &EncoderSample,
         periods: u32,
         applied_torque_nm: f32,
-    ) -> Result<(f32, TorqueFlags), Violation> {
+    ) -> Result<(f32, f32), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
         let requested_nm = self.control.step(sample, periods, applied_torque_nm);
-        let (torque_nm, flags) = self.limits.clamp_torque(requested_nm, self.torque_nm)?;
-        self.torque_nm = torque_nm;
-        Ok((torque_nm, flags))
+        self.torque_nm = self.limits.clamp_torque(requested_nm)?;
+        Ok((self.torque_nm, requested_nm))
     }
 }

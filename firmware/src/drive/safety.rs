@@ -16,7 +16,7 @@
 //!
 //! A fault sets the torque to zero at once and stays latched until `ClearFault`. Time is device time.
 
-use lashloop_protocol::enums::{FaultCode, TorqueFlags};
+use lashloop_protocol::enums::FaultCode;
 
 use crate::law::{DriveParameters, Real};
 
@@ -45,18 +45,14 @@ impl Violation {
 /// Limits of one run, fixed at its start.
 pub(super) struct Limits {
     torque_nm: f32,
-    /// Largest change of the torque in a period, in N m.
-    slew_nm: f32,
     motor_speed_rad_s: f32,
     load_speed_rad_s: f32,
 }
 
 impl Limits {
-    /// The limits with a fastest change of the torque in N m/s.
-    pub(super) fn new(parameters: &DriveParameters, slew_nm_s: f32) -> Self {
+    pub(super) fn new(parameters: &DriveParameters) -> Self {
         Self {
             torque_nm: parameters.torque_limit_nm,
-            slew_nm: slew_nm_s * parameters.period_s(),
             motor_speed_rad_s: parameters.motor_speed_limit_rad_s,
             load_speed_rad_s: parameters.load_speed_limit_rad_s,
         }
@@ -74,20 +70,11 @@ impl Limits {
         holds(reference_rad.is_finite(), FaultCode::ReferenceNotFinite, reference_rad, 0.0)
     }
 
-    /// The only way to a torque: finite, near to the last one, and clamped.
-    pub(super) fn clamp_torque(
-        &self,
-        requested_nm: f32,
-        last_nm: f32,
-    ) -> Result<(f32, TorqueFlags), Violation> {
+    /// The only way to a torque: finite and clamped.
+    pub(super) fn clamp_torque(&self, requested_nm: f32) -> Result<f32, Violation> {
         holds(requested_nm.is_finite(), FaultCode::TorqueNotFinite, requested_nm, self.torque_nm)?;
         // `Real`'s clamp: the one of core panics with its bounds and links 12 KiB of float formatting.
-        let near_nm = Real::clamp(requested_nm, last_nm - self.slew_nm, last_nm + self.slew_nm);
-        let torque_nm = Real::clamp(near_nm, -self.torque_nm, self.torque_nm);
-        let mut flags = TorqueFlags::empty();
-        flags.set(TorqueFlags::SLEW_LIMITED, near_nm != requested_nm);
-        flags.set(TorqueFlags::SATURATED, torque_nm != near_nm);
-        Ok((torque_nm, flags))
+        Ok(Real::clamp(requested_nm, -self.torque_nm, self.torque_nm))
     }
 }
 
