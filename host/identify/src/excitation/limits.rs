@@ -50,7 +50,7 @@ pub enum Halt {
 }
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(super) const REST_S: f64 = 0.05;
+pub(crate) const REST_S: f64 = 0.05;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -148,6 +148,12 @@ impl Guard {
         let (recent, first_load) = (VecDeque::new(), None);
         let (rest, peaks) = (Some(Rest::new(period_s, instruments.noise_counts > 0.0)), Peaks::default());
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
+    }
+
+    /// The same guard of a motion that begins without the time at rest.
+    #[must_use]
+    pub(crate) fn from_the_first_step(self) -> Self {
+        Self { rest: None, ..self }
     }
 
     /// A guard that never halts, for records and models.
