@@ -1,5 +1,6 @@
 //! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
 
+use std::cell::RefCell;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -11,6 +12,7 @@ use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::Instruments;
+use lashloop_identify::electrical::{ElectricalError, Motor, Stated, commission_motor};
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
@@ -27,8 +29,10 @@ use lashloop::Bench;
 use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::limits::Excess;
 use lashloop::rig::{Rig, TakenRig};
-use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
-use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, table};
+use lashloop_hardware::commission::{
+    MotionError, MotorOnDevice, OnDevice, RecordError, RunRecord, pin_number, set_pin, settings, stated,
+};
+use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, MOTOR_FILE, motor_table, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 
 /// The scenario of a command line without one.
@@ -75,6 +79,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "RAD", value_parser = positive, allow_negative_numbers = true)]
     travel_limit: Option<f64>,
 
+    /// End after the electrical side of a motor at a bridge
+    #[arg(long)]
+    only_electrical: bool,
+
     /// Confirm the limits without a question
     #[arg(long)]
     yes: bool,
@@ -115,10 +123,28 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "commission")?;
-        let limits = self.limits(rig.as_ref())?;
-        let scenario =
-            |more: &[String]| self.scenario(rig.as_ref().map(|taken| &taken.rig), &limits, more, bench);
+        let mut limits = self.limits(rig.as_ref())?;
+        // What the motor has been found to be, for the motions after.
+        let found = RefCell::new(Vec::<(&'static str, f64)>::new());
+        let confirmed_limits = limits;
+        let scenario = |more: &[String]| {
+            let of_rig = rig.as_ref().map(|taken| &taken.rig);
+            let mut scenario = self.scenario(of_rig, &confirmed_limits, more, bench)?;
+            for (name, value) in &*found.borrow() {
+                set_pin(&mut scenario, name, *value);
+            }
+            Ok(scenario)
+        };
         let template = scenario(&[])?;
+        let stated = stated(&template, &limits);
+        if self.only_electrical && stated.is_none() {
+            return Err(CliError::CommissionLimit {
+                option: "--only-electrical",
+                problem: "needs bench mode and a drive that makes the torque by a current sensor: set its parameter torque_source \
+                          to \"current\""
+                    .to_owned(),
+            });
+        }
         let place = Place::of(rig.as_ref(), &self.device);
         place.check(&template)?;
         let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
@@ -174,6 +200,19 @@ impl Arguments {
         };
         let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
+        let mut motor_lines = String::new();
+        if let Some(stated) = stated {
+            let motor = self.motor(&mut drive_train, &known, &limits, stated)?;
+            limits.load_travel_rad -= motor.load_moved_rad;
+            motor_lines = motor_toml(&motor);
+            if self.only_electrical {
+                return Ok(Exit::Pass);
+            }
+            check_torque(&motor, &template, &limits)?;
+            let quantities = motor.quantities().into_iter();
+            let values = quantities.filter_map(|it| Some((it.drive_parameter?, it.estimate?.value)));
+            *found.borrow_mut() = values.collect();
+        }
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
         drop(signals);
@@ -185,9 +224,29 @@ impl Arguments {
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
             let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
-            write_estimates(folder, &identified, template.run.mode, offers)?;
+            write_estimates(folder, &identified, template.run.mode, &motor_lines, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
+    }
+
+    /// Finds the electrical side of the motor and prints it; with a folder it writes it there.
+    fn motor(
+        &self,
+        drive_train: &mut OnDevice<'_>,
+        known: &Instruments,
+        limits: &Limits,
+        stated: Stated,
+    ) -> Result<Motor, CliError> {
+        let mut train = MotorOnDevice { train: drive_train, stated };
+        let motor = commission_motor(&mut train, known, limits, MotorOnDevice::PERIOD_US, &stated)
+            .map_err(failed_motor)?;
+        outln!("{}\n", motor_table(&motor).trim_end());
+        if let Some(folder) = &self.out {
+            let heading = "# Estimates of `lashloop`, for [controller.parameters] of a scenario.\n";
+            write_file(&folder.join(MOTOR_FILE), &(heading.to_owned() + &motor_toml(&motor)))?;
+            outln!("{}", folder.join(MOTOR_FILE).display());
+        }
+        Ok(motor)
     }
 
     /// The limits of the options; those of the rig where an option is absent.
@@ -319,6 +378,30 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = Summary::new(run.scenario, run.device, run.outcome);
     writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
+}
+
+/// The drive accepts no torque that its current limit doesn't make.
+fn check_torque(motor: &Motor, template: &Scenario, limits: &Limits) -> Result<(), CliError> {
+    let current_a = pin_number(template, "current_limit_a");
+    let constant_nm_a = motor.torque_constant_nm_a.map_or(f64::INFINITY, |it| it.value);
+    let largest_nm = current_a * constant_nm_a;
+    if limits.torque_nm <= largest_nm {
+        return Ok(());
+    }
+    let problem = format!(
+        "{} exceeds the {largest_nm:.3} N m of current_limit_a = {current_a} A at {constant_nm_a:.4} N m/A: lower it, or raise \
+         current_limit_a",
+        limits.torque_nm
+    );
+    Err(CliError::CommissionLimit { option: "--torque-limit", problem })
+}
+
+fn failed_motor(error: ElectricalError<MotionError>) -> CliError {
+    match error {
+        ElectricalError::Motion(MotionError::Run(error)) => error.into(),
+        ElectricalError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
+        other => CliError::Electrical(Box::new(other)),
+    }
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {
