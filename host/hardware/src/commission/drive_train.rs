@@ -7,11 +7,13 @@ use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
+use lashloop_identify::electrical::StageTrip;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Peaks, PlannedMotion};
 use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
+use super::electrical::trip;
 use super::scenario;
 use crate::identify::record::{NoSeries, counts, directions_in_force, series};
 use lashloop::execution::{ExecutionError, OpenDrive};
@@ -110,7 +112,9 @@ impl OnDevice<'_> {
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
         let outcome = self.drive.run(&mut scenario, vec![&mut watch], writer.as_mut())?;
         let Watch { columns, guard, halt, in_force, .. } = watch;
-        if halt == Some(Halt::NotAtRest) {
+        // At the start of a run the drive doesn't know the speed yet, so a motor that still turns contradicts its voltage.
+        let turns = guard.awaits_torque() && trip(&outcome.end) == Some(StageTrip::Sensor);
+        if halt == Some(Halt::NotAtRest) || turns {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);
             return discarded
                 .map(|()| None)

@@ -100,7 +100,7 @@ impl ElectricalTrain for MotorOnDevice<'_, '_> {
 }
 
 /// What a fault of the power stage says of the sensor.
-fn trip(end: &End) -> Option<StageTrip> {
+pub(super) fn trip(end: &End) -> Option<StageTrip> {
     let End::DriveFault(fault) = end else { return None };
     let detail = fault.message.detail;
     let is = |it: PowerStageFault| fault.message.code == FaultCode::PowerStage && detail == it as u32;

@@ -210,6 +210,12 @@ impl Guard {
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
     }
 
+    /// Whether the time at rest lasts, before the first torque.
+    #[must_use]
+    pub fn awaits_torque(&self) -> bool {
+        self.rest.as_ref().is_some_and(|rest| rest.counts[0].len() < rest.samples)
+    }
+
     /// Largest values so far.
     #[must_use]
     pub fn peaks(&self) -> Peaks {
