@@ -14,6 +14,7 @@
 //! | [`torque`] | from a torque to the duty of a bridge, by voltage or measured current |
 //! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
+//! | [`store`] | parameters that survive power-off |
 //! | `usb` (feature of that name) | the drive's own USB port, on any bus |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
@@ -31,6 +32,7 @@ extern crate std;
 pub mod actuator;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
+mod bridge_limits;
 pub mod contact;
 pub mod control;
 pub mod direction;
@@ -41,6 +43,7 @@ mod laws;
 pub mod power_stage;
 pub mod quadrature;
 pub mod stage_mode;
+pub mod store;
 pub mod torque;
 #[cfg(feature = "usb")]
 pub mod usb;

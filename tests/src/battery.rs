@@ -10,13 +10,27 @@ use lashloop_bench::timing::ClockName;
 use lashloop_conformance::{CheckResult, CheckStatus, PowerStage, Reporter, TIME_LIMIT};
 use lashloop_link::Link;
 
+/// Of a drive without `STORE`, and without `CAPTURE`.
+pub const NOTHING_STORED: &str = "the drive stores no parameters";
+pub const NOTHING_CAPTURED: &str = "the drive captures no signals";
+
 /// What the Lashloop drive's description excludes.
-pub const LASHLOOP_SKIPS: &[&str] =
-    &["no law has 13 signals", "the drive has no 14 signals", "the drive has no bench mode"];
+pub const LASHLOOP_SKIPS: &[&str] = &[
+    "no law has 13 signals",
+    "the drive has no 14 signals",
+    "the drive has no bench mode",
+    NOTHING_STORED,
+    NOTHING_CAPTURED,
+];
 
 /// What the Lashloop drive excludes with a plant at its pins.
-pub const LASHLOOP_BENCH_SKIPS: &[&str] =
-    &["no law has 13 signals", "the drive has no 14 signals", TOO_LITTLE_MOTION];
+pub const LASHLOOP_BENCH_SKIPS: &[&str] = &[
+    "no law has 13 signals",
+    "the drive has no 14 signals",
+    NOTHING_STORED,
+    NOTHING_CAPTURED,
+    TOO_LITTLE_MOTION,
+];
 
 /// Why a check of a load's speed is skipped with the plant of the paper.
 pub const TOO_LITTLE_MOTION: &str = "the mechanics at the pins move too little";
@@ -28,6 +42,8 @@ pub const PD_ALONE_SKIPS: &[&str] = &[
     "no law has 13 signals",
     "the drive has no 14 signals",
     "the drive has no bench mode",
+    NOTHING_STORED,
+    NOTHING_CAPTURED,
 ];
 
 /// What the description of a drive with a single law excludes, which is not `pd`.
@@ -38,6 +54,8 @@ pub const ONE_LAW_SKIPS: &[&str] = &[
     "the drive has no 14 signals",
     "the drive has no law pd, so it does not offer the profile",
     "the drive has no bench mode",
+    NOTHING_STORED,
+    NOTHING_CAPTURED,
 ];
 
 /// Of checks that need so many messages that a slow line or a busy machine takes too long.

@@ -323,6 +323,8 @@ for kind, message in pairs(MESSAGES) do KIND_NAMES[kind] = message[1] end
 for _, message in pairs(MESSAGES) do
     for _, field in ipairs(message[2]) do
         if field[1] == "number" then field[1] = "reference_number" end
+        -- `lashloop.level` is that of a log.
+        if field[1] == "level" and field[2].is_real then field[1] = "trigger_level" end
     end
 end
 
@@ -570,11 +572,14 @@ local IN_INFO = {
     LineReport = { "messages", "damaged" },
     Reference = { "reference_number", "reference_rad" }, EnterLoader = { "session" },
     BenchSample = { "sequence", "reference_number", "torque_nm", "status" },
+    SetZero = { "source" }, ReadCapture = { "first" }, CaptureRows = { "first", "event", "values" },
+    Capture = { "signals", "every", "before", "trigger", "trigger_signal", "trigger_level" },
 }
 -- Labels of numbers that are ambiguous without one
 local LABELS = {
     sequence = "seq", index = "index", session = "session", messages = "messages", damaged = "damaged", limit = "limit",
     parameter = "parameter", choice = "choice", signals = "signals", every = "every", detail = "detail",
+    before = "before", trigger_signal = "of signal", first = "first", event = "event",
 }
 
 local function info(name, number, shown)

@@ -163,7 +163,7 @@ mod tests {
             (
                 "enable",
                 "able",
-                "unknown field `able`, expected one of `outputs`, `complements`, `break_input`, `enable`, `current`, `bus`, `unused_gates`, in `bridge`",
+                "unknown field `able`, expected one of `outputs`, `complements`, `break_input`, `enable`, `current`, `bus`, `brake`, `unused_gates`, in `bridge`",
             ),
             ("enable =", "#", "missing field `enable`, in `bridge`"),
             (", \"PA9 AF1\"]", "]", "invalid length 1, expected an array of length 2, in `bridge.outputs`"),

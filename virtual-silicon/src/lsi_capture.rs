@@ -7,8 +7,8 @@ use crate::chip::Chip;
 
 /// Half a period of the oscillator at its typical 32 kHz.
 const HALF_PERIOD_NS: u64 = 15_625;
-/// Time after a reset in which a firmware may begin to capture: it waits 0.1 s for a crystal.
-const LONGEST_START_NS: u64 = 200_000_000;
+/// Time after a reset in which a firmware may begin to capture: it erases a sector for 2 s, and waits 0.1 s for a crystal.
+const LONGEST_START_NS: u64 = 2_500_000_000;
 
 /// The oscillator's wave from the reset until the firmware has captured it. No pin of a board leads to the channel.
 #[derive(Debug)]

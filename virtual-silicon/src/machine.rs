@@ -44,6 +44,7 @@ pub struct Ended<S> {
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
     let chip = Chip::new(&wiring, surroundings.crystal_hz(), surroundings.has_mpu())?;
+    let images: Vec<_> = [image].into_iter().chain(surroundings.kept()).collect();
     let session = Session::new(Box::new(chip), 0, FIRST_TURN).context("the chip can't be set up")?;
     let machine = Machine {
         surroundings,
@@ -57,7 +58,6 @@ pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings
         end: None,
         bridge: None,
     };
-    let images = [image];
     let finished = emulator::run(session, &Start::new(&images), machine).context("the image can't run")?;
     let stop = finished.stop.context("the image ended the emulation itself")?;
     Ok(Ended {
@@ -103,7 +103,7 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         let at = match settled {
             Settled::Access { access, .. } => {
                 let at = Duration::from_nanos(access.virtual_time.0);
-                self.surroundings.accessed(at, access.address, access.kind);
+                self.surroundings.accessed(at, &access);
                 // No reading changes the bridge, and an image polls.
                 if access.kind == AccessKind::Read {
                     return;

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use rigless::emulator::AccessKind;
+use rigless::emulator::Access;
+use rigless::image::Image;
 
 use crate::chip::CRYSTAL_HZ;
 use crate::pins::Pins;
@@ -31,6 +32,11 @@ pub trait Surroundings: Send {
         CRYSTAL_HZ
     }
 
+    /// What the flash memory holds at power-up besides the image.
+    fn kept(&self) -> Option<Image> {
+        None
+    }
+
     /// Whether the core has its memory protection unit. With it each access is checked, and the chip emulated at 0.6 times the speed.
     fn has_mpu(&self) -> bool {
         false
@@ -42,8 +48,8 @@ pub trait Surroundings: Send {
     /// The core arrived at an instruction that [`Pins::watch`] watches.
     fn arrived(&mut self, _arrival: Arrival) {}
 
-    /// The image read or wrote the register at this address.
-    fn accessed(&mut self, _at: Duration, _register: u64, _kind: AccessKind) {}
+    /// The image read or wrote a register.
+    fn accessed(&mut self, _at: Duration, _access: &Access) {}
 }
 
 /// An arrival of the core at a watched instruction, which it executes next.

@@ -245,6 +245,8 @@ pub struct BridgePins {
     pub current: Option<Pin>,
     /// Voltage of the bus, divided.
     pub bus: Option<Pin>,
+    /// Switch of a brake resistor; a board may have none.
+    pub brake: Option<Pin>,
     /// Gates that stay off.
     #[serde(default)]
     pub unused_gates: Vec<Pin>,
@@ -360,6 +362,7 @@ impl Wiring {
         uses.extend(bridge.complements.map(|pin| ("bridge.complements", pin, ALTERNATE)));
         uses.extend(bridge.current.map(|pin| ("bridge.current", pin, Mode::Analog)));
         uses.extend(bridge.bus.map(|pin| ("bridge.bus", pin, Mode::Analog)));
+        uses.extend(bridge.brake.map(|pin| ("bridge.brake", pin, Mode::Output)));
         uses.extend(bridge.break_input.map(|pin| ("bridge.break_input", pin, ALTERNATE)));
         uses.extend(bridge.unused_gates.iter().map(|pin| ("bridge.unused_gates", *pin, Mode::Input)));
         uses.extend(self.high.iter().map(|pin| ("high", *pin, Mode::Output)));

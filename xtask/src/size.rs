@@ -10,7 +10,7 @@ use crate::arm_toolchain::{Program, drives};
 use crate::codec_size::CodecSize;
 use crate::paths;
 
-/// Most flash for vectors, code and constants (bytes). The smallest chip has 512 KiB: the limit is an alarm.
+/// Most flash for vectors, code and constants (bytes). The smallest chip has 256 KiB before its store: the limit is an alarm.
 const TEXT_LIMIT: u64 = 96 * 1024;
 /// Most RAM for statics (bytes), of which 4 KiB are the rows of a capture. The chip has 128 KiB; the stack takes the rest.
 const STATIC_RAM_LIMIT: u64 = 12 * 1024;

@@ -16,6 +16,9 @@ pub trait AmplifierLines: Send + 'static {
 
     /// Lowers the enable line, from any code: by a store that has no other effect.
     fn lower_enable();
+
+    /// Sets the line of a brake resistor, from any code: by a store that has no other effect. A board may have none.
+    fn set_brake(_is_high: bool) {}
 }
 
 impl<L: AmplifierLines> StageLines for L {
@@ -38,9 +41,15 @@ impl<L: AmplifierLines> StageLines for L {
         self.is_broken().then_some(PowerStageFault::BreakInput)
     }
 
+    fn set_brake(is_on: bool) {
+        L::set_brake(is_on);
+    }
+
     #[inline(never)]
     fn switch_off() {
         L::Timer::disable_outputs();
         L::lower_enable();
+        // A loop that still samples a bus above its limit raises it again.
+        L::set_brake(false);
     }
 }

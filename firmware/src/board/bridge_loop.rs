@@ -31,18 +31,30 @@ pub struct BridgeLoop {
     voltage_v: f32,
     /// Periods until a bridge that is off has no current.
     decay: u32,
+    /// Code of the bus above which the brake resistor is on, by the last run.
+    brake_on: u16,
+    is_braking: bool,
 }
 
 impl BridgeLoop {
     /// The loop of a sensor that measures from now on.
     pub(super) fn start(sensor: Sensor) -> Self {
         Sensor::listen(true);
-        Self { sensor, offset: SensorOffset::default(), control: None, voltage_v: 0.0, decay: 0 }
+        Self {
+            sensor,
+            offset: SensorOffset::default(),
+            control: None,
+            voltage_v: 0.0,
+            decay: 0,
+            brake_on: u16::MAX,
+            is_braking: false,
+        }
     }
 
     /// Takes the readings of a period and sets the duty of the next one. To be called once per interrupt.
     pub fn step(&mut self) {
         let [current, bus] = self.sensor.take();
+        self.brake(bus);
         let (Some(run), Some(offset)) = (RUN.get(), self.offset.reading()) else {
             return self.rest(current, bus);
         };
@@ -52,6 +64,7 @@ impl BridgeLoop {
         let current_a = bridge.current_direction.of_torque(modulation.direction.of_torque(above));
         let bus_v = f32::from(bus) * (bridge.supply_range_v / (2.0 * HALF_RANGE));
         let reading = BridgeReading { current_a, bus_v };
+        self.brake_on = (bridge.brake_on_v * (2.0 * HALF_RANGE / bridge.supply_range_v)) as u16;
         let (control, check) =
             self.control.get_or_insert_with(|| (modulation.current_control(), modulation.sensor_check()));
         if let Some(fault) = bridge.fault(&reading) {
@@ -71,6 +84,14 @@ impl BridgeLoop {
         // No task of a higher priority takes the sums meanwhile.
         let ([sum_nm, sum_v], count) = MEASURED.get();
         MEASURED.set(([sum_nm + measured_nm, sum_v + voltage_v], count + 1));
+    }
+
+    /// Switches the brake resistor, also with the bridge off: a motor that is turned still feeds the bus.
+    fn brake(&mut self, bus: u16) {
+        // 3 % of hysteresis.
+        let hysteresis = if self.is_braking { self.brake_on / 32 } else { 0 };
+        self.is_braking = bus > self.brake_on - hysteresis;
+        <Fitted as Chip>::StageLines::set_brake(self.is_braking);
     }
 
     /// A period with the bridge off.

@@ -14,6 +14,7 @@ use super::parts::{
 };
 use super::pwm_stage::PwmStage;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use crate::usb::UsbLine;
 
 /// A chip family, with the board that is fitted.
@@ -45,6 +46,8 @@ pub trait Chip: Sized + 'static {
     /// Timer of the monitor; its interrupt is TIM2.
     type Monitor: PeriodTimer;
 
+    /// The memory of the store.
+    const STORE: &'static dyn Memory;
     /// Name of the board.
     const BOARD: &'static str;
     /// The chip, as probe-rs names it.

@@ -161,7 +161,7 @@ macro_rules! image {
                 lines.poll();
                 loop {
                     let has_moved = (&mut cx.shared.drive, &mut cx.shared.stage).lock(|drive, stage| {
-                        let has_moved = lines.exchange(drive, cx.shared.clock);
+                        let has_moved = lines.exchange(drive, cx.shared.clock) | drive.continue_storing();
                         if let Some(stage) = stage {
                             stage.follow(drive.stage_command());
                         }

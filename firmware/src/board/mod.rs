@@ -53,6 +53,7 @@ use lashloop_protocol::enums::LogLevel;
 
 use crate::drive::Drive;
 use crate::law::LawSet;
+use crate::store::Store;
 use chip::{Bench, Chip, Started};
 use clock_source::ClockSource;
 use link::Transmission;
@@ -111,7 +112,7 @@ pub struct BenchTasks {
     pub bridge: BridgeLoop,
 }
 
-/// Starts the board within 0.2 s, with or without a crystal.
+/// Starts the board within 0.2 s, with or without a crystal; within 2.5 s if the store has to erase a sector.
 pub fn start<L: LawSet>(
     (syst, mpu): (SYST, &MPU),
     device: <Fitted as Chip>::Peripherals,
@@ -124,6 +125,8 @@ pub fn start<L: LawSet>(
     let by_watchdog = !is_emulated && Fitted::take_watchdog_reset(&device);
     // After the loader, whose own variables are there.
     stack_guard::start(mpu);
+    // Before the watchdog starts: it may erase, for two seconds. All pins are inputs, and the power stage is off.
+    let store = (!is_emulated).then(|| Store::open(Fitted::STORE));
     let Memory { queues, usb } = memory;
     let Started { clock: source, link, usb, bench } = Fitted::start(device, is_emulated, usb);
     if bench.is_some() {
@@ -137,6 +140,11 @@ pub fn start<L: LawSet>(
         (ClockSource::Emulator, _) => (Drive::with_laws("stm32f405-qemu"), None),
         (_, Some(Bench { motor, load, contacts, stage, sensor, tick, monitor })) => {
             let drive = Drive::with_pins(Fitted::BOARD, bench::HARDWARE).with_loader();
+            // A drive without its pins would store a set without their parameters.
+            let drive = match store {
+                Some(store) => drive.with_store(store),
+                None => drive,
+            };
             let steps = Tick::start(tick, (motor, load, contacts), clock, drive.period());
             let (monitor, bridge) = (TickMonitor::new(monitor), BridgeLoop::start(sensor));
             (drive, Some(BenchTasks { stage: Stage::new(stage), steps, monitor, bridge }))

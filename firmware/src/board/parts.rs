@@ -45,6 +45,9 @@ pub trait StageLines: Send + 'static {
     /// The fault that the lines show. To be called once per tick, with whether the outputs are off.
     fn fault(&mut self, is_off: bool) -> Option<PowerStageFault>;
 
+    /// Switches a brake resistor at the bus on or off, from any code. A board may have none.
+    fn set_brake(_is_on: bool) {}
+
     /// Switches the stage off, from any code: the main output of the timer, and the board's own lines. Not inlined: tests on virtual
     /// silicon remove this function from the image, and then every cause has to fail.
     fn switch_off();

@@ -38,7 +38,7 @@ struct Axis {
     rad_per_count: f32,
     /// The reading and the position in counts; `None` before the first step.
     last: Option<(EncoderCounts, i32)>,
-    /// Position at the begin of a stall.
+    /// Position at the start of a stall.
     rest: i32,
 }
 

@@ -7,12 +7,13 @@ use lashloop_protocol::layout::has_number;
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::{BodyError, Payload};
 use lashloop_protocol::{
-    Counters, Decoder, DriveMessage, FrameError, HostMessage, Message, Numbered, PROTOCOL_VERSION,
+    Counters, Decoder, DriveMessage, FrameError, HostMessage, Numbered, PROTOCOL_VERSION,
 };
 
 use super::clock::Clock;
 use super::descriptions;
 use super::identity::identity;
+use super::keep::Keep;
 use super::lifecycle::Lifecycle;
 use super::line_counts::LineCounts;
 use super::loader::Loader;
@@ -27,6 +28,7 @@ use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
 use crate::law::LawSet;
 use crate::laws::Laws;
+use crate::store::Store;
 
 /// The state machine of a drive with these laws.
 pub struct Drive<L: LawSet = Laws> {
@@ -43,6 +45,10 @@ pub struct Drive<L: LawSet = Laws> {
     /// `None` for a drive without encoders and power stage of its own: it has no bench mode.
     pub(super) pins: Option<Pins>,
     pub(super) loader: Loader,
+    /// `None` for a drive whose parameters don't survive power-off.
+    pub(super) store: Option<Store>,
+    /// The request for the store that is being answered.
+    pub(super) keeping: Keep,
 }
 
 impl Drive {
@@ -80,18 +86,20 @@ impl<L: LawSet> Drive<L> {
             last_sequence: 0,
             pins: hardware.map(Pins::new),
             loader: Loader::Absent,
+            store: None,
+            keeping: Keep::Recall,
         }
     }
 
     /// Takes received bytes, at most to the end of one frame, and returns their number.
     ///
     /// Zero for a non-empty input means that the output buffer is full: transmit [`Drive::output`], clear it, and call
-    /// again with the remaining bytes.
+    /// again with the remaining bytes. So it is while [`Drive::continue_storing`] has something to write.
     pub fn receive(&mut self, bytes: &[u8], clock: &impl Clock) -> usize {
         if self.loader.is_requested() {
             return bytes.len();
         }
-        if !self.output.fits_an_answer() {
+        if !self.output.fits_an_answer() || self.store.as_ref().is_some_and(Store::is_writing) {
             return 0;
         }
         let mut rest = bytes;
@@ -185,7 +193,7 @@ impl<L: LawSet> Drive<L> {
             HostMessage::Reference(reference) => return self.take_reference(reference, arrived),
             HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
-                return self.output.send(self.parameters.describe(request.index, state));
+                return self.output.send(self.parameters.describe(request.index, state, self.store.as_ref()));
             }
             HostMessage::GetParameter(request) => {
                 return self.output.send(self.parameters.get(request.index, state));
@@ -217,11 +225,9 @@ impl<L: LawSet> Drive<L> {
                 let result = self.enter_loader(request.session, arrived);
                 (message::EnterLoader::LAYOUT.kind, result.map_err(Refusal::from))
             }
-            HostMessage::StoreParameters(_)
-            | HostMessage::RecallParameters(_)
-            | HostMessage::ForgetParameters(_) => {
-                (message.layout().kind, Err(Outcome::UnknownRequest.into()))
-            }
+            HostMessage::StoreParameters(_) => return self.keep_parameters(Keep::Store),
+            HostMessage::RecallParameters(_) => return self.keep_parameters(Keep::Recall),
+            HostMessage::ForgetParameters(_) => return self.keep_parameters(Keep::Forget),
             HostMessage::SetZero(request) => (message::SetZero::LAYOUT.kind, self.set_zero(request.source)),
             HostMessage::Capture(request) => (message::Capture::LAYOUT.kind, self.capture(request)),
             HostMessage::ReadCapture(request) => match self.read_capture(request.first) {
@@ -251,7 +257,7 @@ impl<L: LawSet> Drive<L> {
 
     fn reset(&mut self) {
         self.lifecycle = Lifecycle::Boot;
-        self.parameters = Parameters::new(self.pins.is_some());
+        self.parameters.recall(self.store.as_ref());
         self.subscription = Subscription::default();
         self.scope.set(Captured::Off);
         self.last_sequence = 0;
@@ -287,6 +293,7 @@ impl<L: LawSet> Drive<L> {
         let mut capabilities = Capabilities::DEVICE_TIME | Capabilities::CAPTURE;
         capabilities.set(Capabilities::BENCH_MODE, self.pins.is_some());
         capabilities.set(Capabilities::LOADER, self.loader != Loader::Absent);
+        capabilities.set(Capabilities::STORE, self.store.is_some());
         capabilities
     }
 
@@ -310,19 +317,14 @@ impl<L: LawSet> Drive<L> {
                 Reply::Torque(answer) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
-                    self.scope.step(None, || run.signals());
-                    if self.subscription.is_due(sample.sequence)
-                        && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &run.signals())
-                    {
-                        self.output.send(telemetry);
-                    }
+                    self.observe(sample.sequence, None);
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
                 Reply::OutOfSequence => self.refuse_sample(Outcome::OutOfSequence, arrived),
                 Reply::OfPins => self.refuse_sample(Outcome::WrongState, arrived),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
-                    self.scope.step(Some(&violation), || run.signals());
+                    self.observe(sample.sequence, Some(&violation));
                     let fault = self.latch(violation, arrived);
                     self.send_zero_torque(sample.sequence, flags, arrived, clock);
                     self.output.send(fault);
@@ -372,7 +374,7 @@ impl<L: LawSet> Drive<L> {
     }
 
     /// Sends the result of a request of this kind, which has no answer of its own.
-    fn send_result(&mut self, request: u8, result: Result<(), Refusal>) {
+    pub(super) fn send_result(&mut self, request: u8, result: Result<(), Refusal>) {
         let Refusal { outcome, detail } = Refusal::of(result);
         let state = self.state();
         self.output.send(CommandResult { request, outcome, state, detail, device_time_us: None });

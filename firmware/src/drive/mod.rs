@@ -31,10 +31,12 @@
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
+//! | `store`, `keep` | the requests to store, recall and forget them |
 //! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions`, `lists` | names of laws and signals; of faults, outcomes, states, flags and messages |
 //! | `subscription` | signals and rate of telemetry |
 //! | `scope` | a capture: signals around an event, at the rate of the loop |
+//! | `observation` | what a step leaves besides its torque: a row of the capture, telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
@@ -48,6 +50,7 @@ mod control_loop;
 mod descriptions;
 mod guard;
 mod identity;
+mod keep;
 mod lifecycle;
 mod line_counts;
 mod lists;
@@ -55,6 +58,7 @@ mod loader;
 mod loader_entry;
 mod machine;
 mod motor_direction;
+mod observation;
 mod output;
 mod parameters;
 mod pin_parameters;
@@ -64,6 +68,7 @@ mod refusal;
 mod run;
 mod safety;
 mod scope;
+mod store;
 mod subscription;
 mod torque_answer;
 mod watchdog;

@@ -12,6 +12,7 @@ use super::lists;
 use super::pin_parameters::{PinParameters, SampleSource};
 use super::refusal::Refusal;
 use crate::law::{DriveParameters, LawSet, Parameter, ParameterError, ParameterGroup, Words, table};
+use crate::store::{Store, entry};
 
 /// Indices of the drive's own parameters: every table begins with `controller`, then has these.
 static OF_DRIVE: [u8; DriveParameters::TABLE.len()] = {
@@ -47,12 +48,32 @@ pub(super) struct Parameters<L: LawSet> {
 
 impl<L: LawSet> Parameters<L> {
     /// Two parameters of one name, or more than an index can number, don't compile.
-    const CHECKED: () = table::check_appended(L::PARAMETERS, PinParameters::TABLE);
+    const CHECKED: () = {
+        table::check_appended(L::PARAMETERS, PinParameters::TABLE);
+        entry::check_keys(L::PARAMETERS, PinParameters::TABLE);
+    };
 
-    /// The defaults. A drive with pins has the parameters of bench mode after all others.
+    /// The defaults of the firmware. A drive with pins has the parameters of bench mode after all others.
     pub(super) fn new(has_pins: bool) -> Self {
         let () = Self::CHECKED;
         Self { words: L::DEFAULTS, pins: has_pins.then_some(PIN_DEFAULTS) }
+    }
+
+    /// Sets every parameter to its default.
+    pub(super) fn recall(&mut self, store: Option<&Store>) {
+        for index in 0..self.count() {
+            if let Some((parameter, _)) = self.entry(index) {
+                self.write(index, default_word(index, &parameter, store));
+            }
+        }
+    }
+
+    /// What a record has at this place: the parameter with this index.
+    pub(super) fn entry_to_store(&self, index: usize) -> [u32; 2] {
+        match self.entry(index as u8) {
+            Some((parameter, word)) => [entry::key(&parameter), entry::stored(parameter.range, word)],
+            None => [u32::MAX; 2],
+        }
     }
 
     pub(super) fn count(&self) -> u8 {
@@ -107,9 +128,9 @@ impl<L: LawSet> Parameters<L> {
     }
 
     /// The description of a parameter.
-    pub(super) fn describe(&self, index: u8, state: State) -> DriveMessage {
+    pub(super) fn describe(&self, index: u8, state: State, store: Option<&Store>) -> DriveMessage {
         match self.entry(index) {
-            Some((parameter, _)) => description(index, &parameter),
+            Some((parameter, _)) => description(index, &parameter, default_word(index, &parameter, store)),
             None => self.report(index, Ok(()), state).into(),
         }
     }
@@ -173,7 +194,14 @@ impl<L: LawSet> Parameters<L> {
     }
 }
 
-fn description(index: u8, parameter: &Parameter) -> DriveMessage {
+/// The stored word, or the one of the firmware: if none is stored, or one that the parameter can't have.
+fn default_word(index: u8, parameter: &Parameter, store: Option<&Store>) -> u32 {
+    let stored = store.and_then(|store| store.word(entry::key(parameter), index.into()));
+    let recalled = stored.and_then(|stored| entry::recalled(parameter.range, stored));
+    recalled.unwrap_or(parameter.range.default_word())
+}
+
+fn description(index: u8, parameter: &Parameter, default: u32) -> DriveMessage {
     let range = parameter.range;
     let mut flags = ParameterFlags::empty();
     flags.set(ParameterFlags::CHOICES, range.choices().is_some());
@@ -182,7 +210,7 @@ fn description(index: u8, parameter: &Parameter) -> DriveMessage {
         index,
         flags,
         laws: parameter.laws,
-        default: range.default(),
+        default: range.value(default),
         min: range.min(),
         max: range.max(),
         name: Text::new(parameter.name),

@@ -80,11 +80,11 @@ crate::parameters! {
         stall_time_s: F32 = 0.5 in 0.001..=1e3, "s";
         /// Longest time in which the measured torque is less than half the command.
         missing_torque_time_s: F32 = 0.5 in 0.001..=1e3, "s";
-        /// Torque that the motor bears for ever.
+        /// Torque that the motor bears forever.
         torque_continuous_nm: F32 = 1e5 in 1e-4..=1e5, "N m";
         /// Thermal time constant of the winding.
         motor_thermal_s: F32 = 30.0 in 0.01..=1e5, "s";
-        /// Current that the bridge bears for ever.
+        /// Current that the bridge bears forever.
         current_continuous_a: F32 = 1e5 in 0.01..=1e5, "A";
         /// Thermal time constant of the bridge.
         stage_thermal_s: F32 = 1.0 in 0.01..=1e5, "s";
@@ -100,6 +100,10 @@ crate::parameters! {
         supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
         /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.
         supply_max_v: F32 = 60.0 in 1.0..=1e3, "V";
+        /// Voltage of the bus from which on a brake resistor is on, from the first run on and until 3 % less.
+        brake_on_v: F32 = 1e3 in 1.0..=1e3, "V";
+        /// Number of the rig, for hosts that compare it with their rig file.
+        rig_id: U32 = 0 in 0..=4_294_967_295, "";
     }
 }
 
@@ -132,6 +136,7 @@ impl PinParameters {
                 current_limit_a: self.current_limit_a,
                 supply_min_v: self.supply_min_v,
                 supply_max_v: self.supply_max_v,
+                brake_on_v: self.brake_on_v,
             },
             nm_per_full_duty: self.torque_per_duty_nm,
             offset: self.duty_offset,

@@ -150,16 +150,11 @@ impl PinRun {
         let Some(Reference { reference_rad, .. }) = self.reference else { return Ok(None) };
         let sequence = self.next_sequence;
         self.next_sequence = sequence.wrapping_add(1);
+        let of_drive = &self.parameters;
         Ok(Some(EncoderSample {
             sequence,
-            motor_counts: self
-                .parameters
-                .motor_direction
-                .of_counts(from_zero(readings.motor.counts, self.zero[0])),
-            load_counts: self
-                .parameters
-                .load_direction
-                .of_counts(from_zero(readings.load.counts, self.zero[1])),
+            motor_counts: of_drive.motor_direction.of_counts(from_zero(readings.motor.counts, self.zero[0])),
+            load_counts: of_drive.load_direction.of_counts(from_zero(readings.load.counts, self.zero[1])),
             reference_rad,
         }))
     }

@@ -105,7 +105,7 @@ fn a_torque_above_the_continuous_one_ends_when_the_winding_is_as_hot_as_it_makes
     // 1 - exp(-t/0.3 s) = (20/40)^2.
     let expected_s = -0.3 * 0.75_f32.ln();
     assert!((steps as f32 * 1e-3 - expected_s).abs() < 0.003, "{steps} steps, {expected_s} s");
-    // For ever at the continuous torque.
+    // Forever at the continuous torque.
     let mut host = by_torque(&limits);
     for _ in 0..3000 {
         host.refer(20.0);

@@ -109,7 +109,7 @@ fn the_rows_are_the_telemetry_of_every_step_bit_for_bit() {
 #[test]
 fn fewer_signals_take_more_rows_of_the_same_memory() {
     for (signals, want) in [(0b1, 1024), (0b11, 512), (0b111, 341), (0b1111, 256)] {
-        let width = (signals as u32).count_ones() as usize;
+        let width = u32::count_ones(signals) as usize;
         let mut host = Host::running(&[]);
         host.send(Capture { signals, ..AT_ONCE });
         turn(&mut host, 0, ramp(0..want - 1));
@@ -396,11 +396,11 @@ fn a_message_has_whole_rows() {
         turn(&mut host, 0, ramp(0..14));
         host.send(Stop {});
         let [DriveMessage::CaptureRows(it)] = host.send(ReadCapture { first: 0 })[..] else { panic!("rows") };
-        assert_eq!(it.values.as_slice().len(), rows * (signals as u32).count_ones() as usize);
+        assert_eq!(it.values.as_slice().len(), rows * u32::count_ones(signals) as usize);
         let [DriveMessage::CaptureRows(it)] = host.send(ReadCapture { first: 13 })[..] else {
             panic!("the last row")
         };
-        assert_eq!(it.values.as_slice().len(), (signals as u32).count_ones() as usize);
+        assert_eq!(it.values.as_slice().len(), u32::count_ones(signals) as usize);
         assert_eq!(host.refusal(ReadCapture { first: 14 }), (Outcome::UnknownIndex, 14, State::Idle));
     }
 }

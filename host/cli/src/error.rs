@@ -31,6 +31,7 @@ use lashloop_record::diff::DiffError;
 use lashloop_record::export::ExportError;
 use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
+use lashloop_record::table::TableError;
 use lashloop_report::runs::DrawError;
 
 use super::png::PngError;
@@ -52,6 +53,11 @@ pub(crate) enum CliError {
     ReportOverInput { path: PathBuf },
     #[error(transparent)]
     Settings(SettingsError),
+    #[error(
+        "the drive has no memory for parameters (capability STORE): save them by `lashloop parameters dump` and set them by \
+         `restore`"
+    )]
+    NoStore,
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
@@ -74,6 +80,8 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Export(#[from] ExportError),
+    #[error(transparent)]
+    Table(#[from] TableError),
     #[error(transparent)]
     Folder(#[from] FolderError),
     #[error(transparent)]
@@ -137,6 +145,7 @@ impl CliError {
             Self::Commission(_) | Self::Electrical(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
+            | Self::NoStore
             | Self::Unconfirmed
             | Self::Scenario(_)
             | Self::NoPlantAtPins { .. }
@@ -158,6 +167,7 @@ impl CliError {
             | Self::Rerun { .. }
             | Self::Replay(_)
             | Self::Export(_)
+            | Self::Table(_)
             | Self::Draw(_)
             | Self::Picture(_)
             | Self::NoSteps { .. }

@@ -10,7 +10,8 @@ use lashloop_bench::verdict::Exit;
 use lashloop_hardware::parameter_set::{
     ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value,
 };
-use lashloop_session::{LawMask, Session};
+use lashloop_protocol::enums::Capabilities;
+use lashloop_session::{LawMask, Session, SessionError};
 
 use super::error::CliError;
 use super::options::{BaudOption, DeviceOption};
@@ -19,7 +20,7 @@ use super::supervision::start_supervisor;
 
 /// List, save, set and compare the parameters of a drive
 ///
-/// The drive keeps parameters until it is reset or loses power. Every `lashloop run` resets the drive and then applies the
+/// The drive keeps parameters until it is reset or loses power; a drive with a memory also has `store`. Every `lashloop run` resets the drive and then applies the
 /// scenario's [controller] section, so parameters set here do not reach a run. inproc, native and qemu start a new drive
 /// for each command; only a drive at the path of a terminal keeps its parameters between commands.
 #[derive(Args)]
@@ -51,6 +52,12 @@ enum Verb {
         /// File with some or all lines of a `dump`
         file: PathBuf,
     },
+    /// Store the values in force in the memory of the drive: they become its defaults, also after power-up
+    Store,
+    /// Set every parameter to its default: the stored value, if the drive has stored any
+    Recall,
+    /// Forget the stored values and set every parameter to the default of the firmware
+    Forget,
     /// Print a SHA-256 over all parameters
     ///
     /// Input of the hash, in the order of the index: the name in UTF-8, a zero byte, the type (1 for u32, 2 for f32), and
@@ -64,10 +71,18 @@ impl Arguments {
         let settings = match &self.verb {
             Verb::Set { settings } => Settings::from_words(settings).map_err(CliError::Settings)?,
             Verb::Restore { file } => Settings::from_file(file).map_err(CliError::Settings)?,
-            Verb::List | Verb::Dump | Verb::Hash => Settings::default(),
+            Verb::List | Verb::Dump | Verb::Store | Verb::Recall | Verb::Forget | Verb::Hash => {
+                Settings::default()
+            }
         };
         let supervisor = start_supervisor()?;
         let mut device = Device::open(&self.drive.device, self.line.baud, &supervisor)?;
+        if let Verb::Store | Verb::Recall | Verb::Forget = self.verb {
+            keep(&mut device.session, &self.verb).map_err(|error| match error {
+                Some(source) => CliError::from(device.explain(source)),
+                None => CliError::NoStore,
+            })?;
+        }
         let in_force = settings.apply(&mut device.session).map_err(|error| match error {
             SettingsError::Session(source) => CliError::from(device.explain(source)),
             other => CliError::Settings(other),
@@ -76,10 +91,27 @@ impl Arguments {
             Verb::List => list(&device.session, &in_force),
             Verb::Dump => dump(&device, &in_force),
             Verb::Set { .. } | Verb::Restore { .. } => confirm(&in_force, &settings),
+            Verb::Store | Verb::Recall | Verb::Forget => {
+                let stored = in_force.iter().filter(|(it, value)| it.default == *value).count();
+                outln!("{stored} parameters have their defaults, which are those after power-up");
+            }
             Verb::Hash => outln!("{}", in_force.sha256()),
         }
         Ok(Exit::Pass)
     }
+}
+
+/// Asks the drive for what a verb of its memory is. `None` for a drive without one.
+fn keep(session: &mut Session, verb: &Verb) -> Result<(), Option<SessionError>> {
+    if !session.identity.capabilities.contains(Capabilities::STORE) {
+        return Err(None);
+    }
+    let result = match verb {
+        Verb::Store => session.store_parameters(),
+        Verb::Forget => session.forget_parameters(),
+        _ => session.recall_parameters(),
+    };
+    result.map_err(Some)
 }
 
 fn list(session: &Session, in_force: &ParameterSet) {

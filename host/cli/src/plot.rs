@@ -10,6 +10,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_decode::series::{Series, series};
 use lashloop_record::file_names::FIGURE_FILE;
 use lashloop_record::reader::Record;
+use lashloop_record::table;
 use lashloop_report::runs::{Input, Selection, figure};
 
 use super::error::CliError;
@@ -23,12 +24,13 @@ const PNG: &str = "png";
 
 /// Plot records and captures: position, error, torque, gap, estimate, round trip, and any signal
 ///
-/// A record is a folder of `run --out`, a capture a file of `run --capture`. What an interrupted run left is plotted up to
+/// A record is a folder of `run --out`, a capture a file of `run --capture`. A CSV file is what the drive has captured, scope.csv
+/// in a record, with its time from the event on; or a record of `run --csv`. What an interrupted run left is plotted up to
 /// its last whole row or frame. Several share the axes; each has its own colour and dash.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Folders of records, and captures
-    #[arg(required = true, value_name = "DIR|FILE.pcapng")]
+    /// Folders of records, captures, and tables
+    #[arg(required = true, value_name = "DIR|FILE.pcapng|FILE.csv")]
     records: Vec<PathBuf>,
 
     /// Signals to plot as well, each in a panel of its own, such as drive.requested_torque_nm; * stands for any characters
@@ -44,12 +46,24 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(figure_file))]
     out: Option<PathBuf>,
 
-    /// Start of the plotted time, in s
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    /// Start of the plotted time, in s [default: start of the record]
+    #[arg(
+        long,
+        default_value_t = f64::NEG_INFINITY,
+        value_name = "S",
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
     from: f64,
 
     /// End of the plotted time, in s [default: end of the record]
-    #[arg(long, default_value_t = f64::INFINITY, value_name = "S", hide_default_value = true)]
+    #[arg(
+        long,
+        default_value_t = f64::INFINITY,
+        value_name = "S",
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
     until: f64,
 }
 
@@ -95,6 +109,9 @@ fn figure_file(path: PathBuf) -> Result<PathBuf, String> {
 fn read(path: &Path) -> Result<Input, CliError> {
     if !path.is_file() {
         return Ok(Input::Record(Box::new(Record::read(path)?)));
+    }
+    if ending(path).as_deref() == Some("csv") {
+        return Ok(Input::Table(table::read(path)?));
     }
     let bytes = fs::read(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
     let Some(Series { columns, torn }) = series(&bytes) else {

@@ -118,6 +118,9 @@ impl Arguments {
         place.check(&scenario)?;
         let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let folder = self.record.claim(Path::new(&scenario.name))?;
+        if folder.is_none() && !scenario.scope.is_off() {
+            warn(format_args!("no file will have the rows of [scope]: a record has them, see --out"));
+        }
         self.junit.as_deref().map_or(Ok(()), run_junit::begin)?;
         let (watch, csv, capture) = (&self.watch, self.record.csv, self.capture.as_deref());
         OneRun { scenario, source, place, clock, folder, csv, watch, capture, gate }.make()

@@ -6,6 +6,7 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::LinkCounts;
 use lashloop_record::summary::{Summary, Telemetry};
+use lashloop_session::CapturedRows;
 
 use super::colour::{self, Stream};
 use super::output::outln;
@@ -44,6 +45,9 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, h
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     let what = if summary.mode.is_hil() { "the plant" } else { "the drive" };
     outln!("run         {steps} steps, {simulated_s:.3} s of {what} in {wall_s:.3} s");
+    if let Some(CapturedRows { rows, event, .. }) = &outcome.scope {
+        outln!("scope       {} rows, the event at row {event}", rows.len());
+    }
     outln!("device      {}", summary.device);
     if !summary.mode.is_hil() {
         outln!("mode        bench: positions from the drive's encoders, no truth");

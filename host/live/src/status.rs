@@ -132,6 +132,7 @@ mod tests {
             torque_sha256: String::new(),
             logs: Vec::new(),
             signals: SignalTable::default(),
+            scope: None,
         }
     }
 

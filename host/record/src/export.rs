@@ -139,7 +139,7 @@ pub fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
     }
 }
 
-fn csv(columns: &Columns, path: &Path) -> Result<(), WriteError> {
+pub(crate) fn csv(columns: &Columns, path: &Path) -> Result<(), WriteError> {
     let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
     let file = File::create(path).map_err(error("created"))?;
     let written = rows(columns, csv::Writer::from_writer(file));

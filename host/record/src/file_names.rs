@@ -10,6 +10,8 @@ pub const REFERENCE_FILE: &str = "reference.csv";
 pub const SAMPLES_FILE: &str = "run.mcap";
 /// The summary.
 pub const SUMMARY_FILE: &str = "summary.json";
+/// What the drive has captured.
+pub const SCOPE_FILE: &str = "scope.csv";
 /// The error of a run without a summary.
 pub const FAILURE_FILE: &str = "failure.json";
 /// The page of `report`, or of `run --report`.
@@ -25,8 +27,8 @@ pub const LATEST: &str = "latest";
 
 /// Every file that a run may write, in the order in which a new record gets them. The manifest is the last: from there on
 /// the folder holds a record, whose beginning is whole.
-pub const ALL: [&str; 6] =
-    [SUMMARY_FILE, FAILURE_FILE, SAMPLES_FILE, REFERENCE_FILE, SCENARIO_FILE, MANIFEST_FILE];
+pub const ALL: [&str; 7] =
+    [SUMMARY_FILE, FAILURE_FILE, SCOPE_FILE, SAMPLES_FILE, REFERENCE_FILE, SCENARIO_FILE, MANIFEST_FILE];
 
 /// What other commands derive from a record and write next to it, unless they are given another name.
 pub const DERIVED: [&str; 6] =

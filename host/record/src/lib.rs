@@ -7,9 +7,10 @@
 //! | `run.mcap` | every sample with all its bits, schemas inside, the other files attached | by whole chunks | [`samples`] |
 //! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
 //! | `reference.csv` | the points of a reference by table | before the first step | [`resolved`] |
+//! | `scope.csv` | what the drive has captured, if the scenario has a `[scope]` | at the end | [`scope`] |
 //! | `failure.json` | instead of a summary, the error that ended the run | at the end | [`failure`] |
 //!
-//! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, [`export`] writes them in other formats, and [`diff`]
+//! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, [`export`] writes them in other formats, [`table`] reads those that are text, and [`diff`]
 //! compares two records. Manifest and summary are one type each, for writer and readers. Chunks are written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted, or failed.
 
 #![forbid(unsafe_code)]
@@ -31,8 +32,10 @@ pub mod reader;
 pub mod resolved;
 pub mod row;
 pub mod samples;
+pub mod scope;
 pub mod source;
 pub mod summary;
+pub mod table;
 pub mod timing;
 pub mod trace;
 pub mod window;

@@ -7,12 +7,14 @@ use lashloop_bench::run::{Event, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::SignalTable;
 
+use crate::columns::Columns;
 use crate::failure::Failure;
-use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
+use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SCOPE_FILE, SUMMARY_FILE};
 use crate::folder::RecordFolder;
 use crate::manifest::Manifest;
 use crate::resolved;
 use crate::samples::SampleWriter;
+use crate::scope;
 use crate::source::RunSource;
 use crate::summary::Summary;
 
@@ -50,6 +52,14 @@ impl RecordWriter {
             }
             None => Ok(()),
         }
+    }
+
+    /// Writes what the drive has captured.
+    ///
+    /// # Errors
+    /// The file can't be written.
+    pub fn write_scope(&self, captured: &Columns) -> Result<(), WriteError> {
+        scope::write(captured, &self.folder.path().join(SCOPE_FILE))
     }
 
     /// Writes what is pending, then the summary.

@@ -10,7 +10,7 @@ pub enum DrawError {
     #[error(transparent)]
     Record(#[from] ReadError),
     /// No run has a step in the selected range.
-    #[error("no step lies in the range from {from_s} s {}; the records end at {end_s} s", to(*until_s))]
+    #[error("no step lies in the range {}; the records end at {end_s} s", range(*from_s, *until_s))]
     Nothing {
         /// Start of the range, in s.
         from_s: f64,
@@ -48,8 +48,9 @@ pub enum DrawError {
     },
 }
 
-fn to(until_s: f64) -> String {
-    if until_s.is_finite() { format!("to {until_s} s") } else { "on".to_owned() }
+fn range(from_s: f64, until_s: f64) -> String {
+    let from = if from_s.is_finite() { format!("from {from_s} s ") } else { String::new() };
+    from + &if until_s.is_finite() { format!("to {until_s} s") } else { "on".to_owned() }
 }
 
 fn named(unit: &str) -> &str {

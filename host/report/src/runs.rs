@@ -35,6 +35,8 @@ pub enum Input {
         /// Why the capture ends early, if it does.
         torn: Option<String>,
     },
+    /// A table in a file, such as what a drive has captured; the time first.
+    Table(Columns),
 }
 
 /// Largest number of marked faults; more would hide the curves.
@@ -57,7 +59,11 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
         match input {
             Input::Record(record) => runs.push(Run::new(number, name, record, shown_s)?),
             Input::Capture { columns, torn } => {
-                captures.push(Capture::new(name, columns, torn.as_deref(), shown_s));
+                let origin = format!("from the frames of a capture.{}", after_space(torn.as_deref()));
+                captures.push(Capture::new(name, columns, "steps", origin, shown_s));
+            }
+            Input::Table(columns) => {
+                captures.push(Capture::new(name, columns, "rows", "of a table.".to_owned(), shown_s));
             }
         }
     }
@@ -79,7 +85,7 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
     }
     let title = match inputs {
         [(name, Input::Record(_))] => format!("Record of {name}"),
-        [(name, Input::Capture { .. })] => format!("Capture {name}"),
+        [(name, Input::Capture { .. } | Input::Table(_))] => format!("Capture {name}"),
         inputs if captures.is_empty() => format!("{} records", inputs.len()),
         inputs => format!("{} records and captures", inputs.len()),
     };
@@ -134,20 +140,32 @@ fn check_axes(sources: &[Source<'_>]) -> Result<(), DrawError> {
     }
 }
 
-/// One capture and its rows in the range.
+fn after_space(reason: Option<&str>) -> String {
+    reason.map_or_else(String::new, |reason| format!(" {reason}."))
+}
+
+/// One capture or table, and its rows in the range.
 struct Capture<'a> {
     name: &'a str,
     shown: Columns,
-    torn: Option<&'a str>,
+    /// What a row is.
+    row: &'static str,
+    origin: String,
     end_s: f64,
 }
 
 impl<'a> Capture<'a> {
-    fn new(name: &'a str, columns: &Columns, torn: Option<&'a str>, shown_s: &RangeInclusive<f64>) -> Self {
+    fn new(
+        name: &'a str,
+        columns: &Columns,
+        row: &'static str,
+        origin: String,
+        shown_s: &RangeInclusive<f64>,
+    ) -> Self {
         let axis = columns.signals().first().map_or("", |signal| &signal.name);
         let axis = columns.get(axis).unwrap_or_default();
         let end_s = axis.last().copied().unwrap_or(f64::NAN);
-        Self { name, shown: columns.select(|row| shown_s.contains(&axis[row])), torn, end_s }
+        Self { name, shown: columns.select(|row| shown_s.contains(&axis[row])), row, origin, end_s }
     }
 
     fn source(&self) -> Source<'_> {
@@ -155,8 +173,7 @@ impl<'a> Capture<'a> {
     }
 
     fn caption(&self) -> String {
-        let torn = self.torn.map_or_else(String::new, |reason| format!(" {reason}."));
-        format!("{}: {} steps from the frames of a capture.{torn}", self.name, self.shown.len())
+        format!("{}: {} {} {}", self.name, self.shown.len(), self.row, self.origin)
     }
 }
 

@@ -1,44 +1,14 @@
 //! The drive's scope: signals around an event, at the rate of its loop, read after the event.
 
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Capabilities, CaptureTrigger, Outcome};
+use lashloop_protocol::enums::{Capabilities, Outcome};
 use lashloop_protocol::message::{Capture, CaptureRows, ReadCapture};
 use lashloop_protocol::wire::Payload;
 
+use crate::capture_request::{CaptureRequest, CapturedRows};
 use crate::client::Session;
 use crate::error::SessionError;
 use crate::refusal::Reply;
-use crate::signals::DriveSignal;
-
-/// What a drive is to capture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CaptureRequest {
-    /// One to four signals; sorted by their index.
-    signals: Vec<DriveSignal>,
-    /// Steps from one row to the next.
-    pub every: u16,
-    /// Most rows before the event.
-    pub before: u16,
-    /// The event.
-    pub trigger: CaptureTrigger,
-    /// Index of the signal whose value is the event.
-    pub trigger_signal: u8,
-    /// Its value at the event.
-    pub level: f32,
-}
-
-/// The rows of a complete capture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CapturedRows {
-    /// The signals, in the order of their values.
-    pub signals: Vec<DriveSignal>,
-    /// Steps from one row to the next.
-    pub every: u16,
-    /// Number of the first row at or after the event; the number of rows if none is.
-    pub event: u16,
-    /// The values of each row.
-    pub rows: Vec<Vec<f32>>,
-}
 
 /// Why there is no capture.
 #[derive(Debug, thiserror::Error)]
@@ -79,22 +49,6 @@ pub enum CaptureError {
     Session(#[from] SessionError),
 }
 
-impl CaptureRequest {
-    /// A capture of these signals from the next step on, as many rows as the drive keeps.
-    #[must_use]
-    pub fn new(mut signals: Vec<DriveSignal>) -> Self {
-        signals.sort_by_key(|signal| signal.index);
-        let trigger_signal = signals.first().map_or(0, |signal| signal.index);
-        Self { signals, every: 1, before: 0, trigger: CaptureTrigger::Now, trigger_signal, level: 0.0 }
-    }
-
-    /// The signals, in the order of their values.
-    #[must_use]
-    pub fn signals(&self) -> &[DriveSignal] {
-        &self.signals
-    }
-}
-
 impl Session {
     /// Whether the drive captures signals.
     #[must_use]
@@ -106,26 +60,37 @@ impl Session {
     ///
     /// # Errors
     /// The drive has no scope, rejected the request or is silent, or the line broke.
-    pub fn capture(&mut self, capture: &CaptureRequest) -> Result<(), CaptureError> {
+    pub fn capture(&mut self, capture: CaptureRequest) -> Result<(), CaptureError> {
         if !self.has_scope() {
             return Err(CaptureError::Unsupported);
         }
-        let &CaptureRequest { every, before, trigger, trigger_signal, level, .. } = capture;
-        let bits = capture.signals.iter().filter_map(|it| 1_u32.checked_shl(it.index.into()));
-        let signals = bits.fold(0, |bits, bit| bits | bit);
+        let CaptureRequest { every, before, trigger, trigger_signal, level, .. } = capture;
+        let signals = capture.bits();
         let reply = self.result(Capture { signals, every, before, trigger, trigger_signal, level })?.with;
         match reply.outcome {
-            Outcome::Accepted => Ok(()),
+            Outcome::Accepted => {
+                self.capture = Some(capture);
+                Ok(())
+            }
             outcome => Err(CaptureError::Rejected { outcome, cause: self.cause(reply) }),
         }
     }
 
-    /// Reads the rows of this capture, which the drive must have accepted.
+    /// The capture that the drive has accepted since the last reset.
+    #[must_use]
+    pub fn accepted_capture(&self) -> Option<&CaptureRequest> {
+        self.capture.as_ref()
+    }
+
+    /// Reads the rows of the capture that the drive has accepted.
     ///
     /// # Errors
-    /// The capture isn't complete, the drive rejected the request or is silent, or the line broke.
-    pub fn read_capture(&mut self, capture: &CaptureRequest) -> Result<CapturedRows, CaptureError> {
-        let (signals, every) = (capture.signals.clone(), capture.every);
+    /// There is no capture or it isn't complete, the drive rejected the request or is silent, or the line broke.
+    pub fn read_capture(&mut self) -> Result<CapturedRows, CaptureError> {
+        let (signals, every) = match &self.capture {
+            Some(capture) => (capture.signals().to_vec(), capture.every),
+            None => return Err(CaptureError::NotCaptured { cause: "no capture was requested".to_owned() }),
+        };
         let width = signals.len().max(1);
         let (mut rows, mut event) = (Vec::new(), 0);
         loop {
@@ -171,6 +136,7 @@ mod tests {
     use lashloop_firmware::Laws;
     use lashloop_link::in_process::InProcess;
     use lashloop_protocol::EncoderCounts;
+    use lashloop_protocol::enums::CaptureTrigger;
     use lashloop_protocol::message::EncoderSample;
 
     use super::*;
@@ -202,9 +168,9 @@ mod tests {
         let names: Vec<_> = capture.signals().iter().map(|it| &*it.signal.name).collect();
         assert_eq!(names, ["requested_torque_nm", "measured_twist_rad"], "in the order of the values");
         let capture = CaptureRequest { before: 5, ..capture };
-        session.capture(&capture).expect("a capture");
+        session.capture(capture).expect("a capture");
         steps(&mut session, 20);
-        let captured = session.read_capture(&capture).expect("rows");
+        let captured = session.read_capture().expect("rows");
         assert_eq!((captured.event, captured.rows.len()), (5, 20));
         let count_rad = std::f32::consts::TAU / 131_072.0;
         for pair in captured.rows.windows(2) {
@@ -218,9 +184,9 @@ mod tests {
         let mut session = session();
         let capture = request(&session, &["measured_twist_rad"]);
         let capture = CaptureRequest { trigger: CaptureTrigger::Rising, level: 1.0, ..capture };
-        session.capture(&capture).expect("a capture");
+        session.capture(capture).expect("a capture");
         steps(&mut session, 20);
-        let error = session.read_capture(&capture).expect_err("no event").to_string();
+        let error = session.read_capture().expect_err("no event").to_string();
         assert_eq!(error, "NotCaptured: the event did not come");
     }
 
@@ -228,7 +194,7 @@ mod tests {
     fn a_refused_capture_is_an_error_with_the_outcome() {
         let mut session = session();
         let capture = CaptureRequest { before: 2000, ..request(&session, &["measured_twist_rad"]) };
-        let error = session.capture(&capture).expect_err("too many rows");
+        let error = session.capture(capture).expect_err("too many rows");
         assert!(matches!(error, CaptureError::Rejected { outcome: Outcome::OutOfRange, .. }), "{error}");
     }
 
@@ -238,7 +204,7 @@ mod tests {
         let capture = request(&session, &["measured_twist_rad"]);
         session.identity.capabilities.remove(Capabilities::CAPTURE);
         let sent = session.traffic().frames_sent;
-        assert!(matches!(session.capture(&capture), Err(CaptureError::Unsupported)));
+        assert!(matches!(session.capture(capture), Err(CaptureError::Unsupported)));
         assert_eq!(session.traffic().frames_sent, sent);
     }
 }

@@ -7,6 +7,7 @@ use lashloop_link::Link;
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::Identity;
 
+use crate::capture_request::CaptureRequest;
 use crate::description::Description;
 use crate::error::SessionError;
 use crate::handshake::shake_hands;
@@ -47,6 +48,7 @@ pub struct Session {
     /// The drive's signals, in the order of their index.
     pub signals: Vec<DriveSignal>,
     pub(crate) subscription: Subscription,
+    pub(crate) capture: Option<CaptureRequest>,
     /// Damaged frames received before the present run.
     pub(crate) damaged_before: u32,
     /// Answers after their deadline.
@@ -90,6 +92,7 @@ impl Session {
             values_set: BTreeMap::new(),
             signals,
             subscription,
+            capture: None,
             damaged_before: 0,
             late: 0,
             answered: None,

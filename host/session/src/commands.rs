@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EnterLoader, Reset, Start, Stop};
+use lashloop_protocol::message::{
+    Arm, ClearFault, EmergencyStop, EnterLoader, ForgetParameters, RecallParameters, Reset, Start, Stop,
+    StoreParameters,
+};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
@@ -36,6 +39,7 @@ impl Session {
         self.values_set.clear();
         self.is_reset = true;
         self.subscription = Subscription::default();
+        self.capture = None;
         self.number = self.number.wrapping_add(1);
         self.identity = shake_hands(&mut self.line, self.number)?;
         Ok(())
@@ -125,6 +129,40 @@ impl Session {
             Reply { outcome: Outcome::Accepted, .. } => Ok(()),
             reply => Err(self.refused::<EnterLoader>(reply)),
         }
+    }
+
+    /// Stores the parameters in force of a drive in `Idle`: they become its defaults, those after a reset and after power-up.
+    ///
+    /// # Errors
+    /// The drive stores no parameters, could not write them or is silent, or the line broke.
+    pub fn store_parameters(&mut self) -> Result<(), SessionError> {
+        self.keep(StoreParameters {})
+    }
+
+    /// Sets every parameter of a drive in `Idle` to its default.
+    ///
+    /// # Errors
+    /// As [`Self::store_parameters`].
+    pub fn recall_parameters(&mut self) -> Result<(), SessionError> {
+        self.keep(RecallParameters {})
+    }
+
+    /// Forgets the stored parameters of a drive in `Idle`, and sets every one to the default of the firmware.
+    ///
+    /// # Errors
+    /// As [`Self::store_parameters`].
+    pub fn forget_parameters(&mut self) -> Result<(), SessionError> {
+        self.keep(ForgetParameters {})
+    }
+
+    /// A request after which every parameter has its default.
+    fn keep<C: Payload + Into<HostMessage>>(&mut self, request: C) -> Result<(), SessionError> {
+        self.command(request, State::Idle)?;
+        self.values_set.clear();
+        for at in 0..self.parameters.len() {
+            self.parameters[at].default = self.get(self.parameters[at].index)?;
+        }
+        Ok(())
     }
 
     /// Leaves a drive that is lost or can't be trusted: requests an emergency stop and waits for nothing.

@@ -9,7 +9,7 @@
 //! | `parameter_access` | a parameter by its name |
 //! | `oddities` | what contradicts itself in a drive's description |
 //! | `subscribe` | the signals that telemetry carries |
-//! | `capture` | the signals that the drive captures around an event: [`CaptureRequest`], [`CapturedRows`] |
+//! | `capture`, `capture_request` | the signals that the drive captures around an event: [`CaptureRequest`], [`CapturedRows`] |
 //! | [`description`] | the drive's description of itself, read |
 //! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
@@ -34,6 +34,7 @@
 mod at_step;
 mod bench_reports;
 mod capture;
+mod capture_request;
 mod client;
 mod commands;
 pub mod description;
@@ -61,7 +62,8 @@ mod timestamps;
 
 pub use at_step::AtStep;
 pub use bench_reports::BenchReport;
-pub use capture::{CaptureError, CaptureRequest, CapturedRows};
+pub use capture::CaptureError;
+pub use capture_request::{CaptureRequest, CapturedRows};
 pub use client::{Session, Traffic};
 pub use description::Description;
 pub use diagnosis::Diagnosis;

@@ -97,6 +97,10 @@ impl Reply {
             (Outcome::EncoderImplausible, 5) => {
                 "both channels of the load encoder changed at once".to_owned()
             }
+            (Outcome::StoreFailed, 1) => {
+                "its memory refuses to be written; what was stored before is kept".to_owned()
+            }
+            (Outcome::StoreFailed, 2) => "its memory is full until the next power-up".to_owned(),
             (Outcome::NotCaptured, 0) => "no capture was requested since the reset".to_owned(),
             (Outcome::NotCaptured, 1) => "the event did not come".to_owned(),
             (Outcome::NotCaptured, 2) => "rows are still to come after the event".to_owned(),

@@ -56,11 +56,14 @@ impl Subscription {
     /// The signals as the bits of `Subscribe`.
     #[must_use]
     pub fn bits(&self) -> u32 {
-        self.signals
-            .iter()
-            .filter_map(|it| 1_u32.checked_shl(it.index.into()))
-            .fold(0, |bits, bit| bits | bit)
+        bits(&self.signals)
     }
+}
+
+/// A bit for each signal, by its index.
+pub(crate) fn bits(signals: &[DriveSignal]) -> u32 {
+    let bits = signals.iter().filter_map(|it| 1_u32.checked_shl(it.index.into()));
+    bits.fold(0, |bits, bit| bits | bit)
 }
 
 #[cfg(test)]

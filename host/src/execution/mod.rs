@@ -22,6 +22,7 @@ use lashloop_bench::device::Device;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_record::scope;
 use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
@@ -143,7 +144,12 @@ impl Made {
         let Self { scenario, outcome, drive, record } = self;
         let summary = Summary::new(&scenario, &drive.device, &outcome);
         drop(drive);
-        record.map_or(Ok(()), |record| record.finish(&summary))?;
+        if let Some(record) = record {
+            if let Some(captured) = &outcome.scope {
+                record.write_scope(&scope::columns(captured, &scenario))?;
+            }
+            record.finish(&summary)?;
+        }
         Ok(Finished { scenario, outcome, summary })
     }
 }

@@ -18,3 +18,28 @@ pub const BENCH_SCENARIOS: [Source; 4] = [
     ("scenarios/bench-friction-before.toml", include_str!("../../../scenarios/bench-friction-before.toml")),
     ("scenarios/bench-friction-after.toml", include_str!("../../../scenarios/bench-friction-after.toml")),
 ];
+
+/// What puts a motor on a bridge with a current loop between drive and plant, as settings of [`BENCH_SCENARIOS`]: 26 N m at
+/// 110 A, and a sensor that is off by 2 %.
+pub const BRIDGE: [&str; 20] = [
+    "plant.electrical.torque_source=current",
+    "plant.electrical.resistance_ohm=0.96",
+    "plant.electrical.inductance_h=1e-3",
+    "plant.electrical.torque_constant_nm_a=0.24",
+    "plant.electrical.supply_v=120",
+    "plant.electrical.sense_range_a=200",
+    "plant.electrical.sense_offset_a=4",
+    "plant.electrical.sense_noise_a=0.1",
+    "bench.stage_mode=complementary",
+    "bench.duty_min=0",
+    "bench.duty_max=1",
+    "bench.torque_source=current",
+    "bench.motor_resistance_ohm=0.96",
+    "bench.motor_inductance_h=1e-3",
+    "bench.torque_constant_nm_a=0.24",
+    "bench.current_range_a=200",
+    "bench.current_limit_a=110",
+    "bench.supply_range_v=200",
+    "bench.supply_v=120",
+    "bench.supply_max_v=180",
+];

@@ -56,6 +56,18 @@ fn a_restored_dump_restores_every_bit() {
 }
 
 #[test]
+fn a_drive_without_a_memory_for_parameters_is_named_with_what_to_do() {
+    let twin = Twin::start();
+    for verb in ["store", "recall", "forget"] {
+        let error = parameters(&twin, &[verb]).with_code(2).stderr;
+        assert!(
+            error.contains("(capability STORE)") && error.contains("`lashloop parameters dump`"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn a_run_resets_all_parameters() {
     let twin = Twin::start();
     let _ = parameters(&twin, &["set", "load_speed_limit_rad_s=0.2"]).with_code(0);

@@ -86,6 +86,13 @@ round_trip_p99_us = 1
 [telemetry]
 every_steps = 10
 signals = ["load_error_rad"]
+[scope]
+signals = ["load_error_rad"]
+every_steps = 1
+before_rows = 64
+trigger = "now"
+trigger_signal = "load_error_rad"
+level = 0.5
 [record]
 flush_rows = 1000
 [[expect]]

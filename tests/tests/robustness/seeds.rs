@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
-use lashloop_protocol::enums::{ParameterValue, State};
+use lashloop_protocol::enums::{CaptureTrigger, ParameterValue, State, ZeroSource};
 use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    EnterLoader, GetParameter, Hello, Reference, SetParameter, Start, Stop, Subscribe,
+    Arm, Capture, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
+    EnterLoader, ForgetParameters, GetParameter, Hello, ReadCapture, RecallParameters, Reference,
+    SetParameter, SetZero, Start, Stop, StoreParameters, Subscribe,
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{HostMessage, Message};
@@ -25,6 +26,15 @@ mod host;
 #[allow(dead_code, reason = "the tests of the document use more of it")]
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 pub mod markdown;
+
+const CAPTURE: Capture = Capture {
+    signals: 1,
+    every: 1,
+    before: 2,
+    trigger: CaptureTrigger::Rising,
+    trigger_signal: 0,
+    level: 0.5,
+};
 
 /// A file below `fuzz/corpus` and its contents.
 #[derive(Debug)]
@@ -154,6 +164,15 @@ fn state_seeds() -> Vec<Seed> {
     let reference = Reference { number: 1, reference_rad: 0.5 };
     seeds.extend(everywhere("reference", reference.into()));
     seeds.extend(everywhere("enter loader", EnterLoader { session: 7 }.into()));
+    let options: [(&str, HostMessage); 6] = [
+        ("store parameters", StoreParameters {}.into()),
+        ("recall parameters", RecallParameters {}.into()),
+        ("forget parameters", ForgetParameters {}.into()),
+        ("set zero", SetZero { source: ZeroSource::Present }.into()),
+        ("capture", CAPTURE.into()),
+        ("read capture", ReadCapture { first: 0 }.into()),
+    ];
+    seeds.extend(options.into_iter().flat_map(|(name, message)| everywhere(name, message)));
     let stray = host::rest(5);
     seeds.extend(everywhere("stray sample", stray.into()));
     let period = |value| request(&SetParameter { index: host::index("period_us"), value }.into());

@@ -99,3 +99,38 @@ pub(crate) fn waits_for_the_start() {
     assert_eq!(ended.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("no drive") || stderr.contains("silent"), "{stderr}");
 }
+
+/// Before compensation the friction leaves a third of a rad; after it, one count of these encoders at most. Both are as simulated, through
+/// PWM, current loop, winding, gears and encoders.
+pub(crate) fn at_a_bridge() {
+    const COUNTS_PER_REV: u32 = 4000;
+    let records = Records::new();
+    let mut arguments = ["paper", "experiment", "--bridge", "--after", "controller.name=braking-curve"]
+        .map(str::to_owned)
+        .to_vec();
+    for setting in [
+        format!("encoders.motor_counts_per_rev={COUNTS_PER_REV}"),
+        format!("encoders.load_counts_per_rev={COUNTS_PER_REV}"),
+        "run.duration_s=12".to_owned(),
+        "expect=[]".to_owned(),
+    ] {
+        arguments.extend(["--set".to_owned(), setting]);
+    }
+    arguments.extend(["--out".to_owned(), records.out()]);
+    let ended =
+        program::run(arguments.into_iter().chain(tests::paper::PATIENCE.map(str::to_owned))).with_code(0);
+    assert_eq!(ended.stdout.matches("simulation PASS, experiment PASS").count(), 4, "{}", ended.stdout);
+    let count_rad = std::f64::consts::TAU / f64::from(COUNTS_PER_REV);
+    for (when, least_rad, most_rad) in [("before", 0.3, 0.34), ("after", 0.0, count_rad)] {
+        let error_rad = |of: &str| {
+            let summary = records.within(&format!("bench-friction-{when}-{of}")).summary();
+            summary["metrics"]["static_error_rad"].as_f64().expect("a metric")
+        };
+        let (simulation_rad, experiment_rad) = (error_rad("simulation"), error_rad("experiment"));
+        println!("{when}: simulation {simulation_rad} rad, experiment {experiment_rad} rad");
+        for rad in [simulation_rad, experiment_rad] {
+            assert!((least_rad..=1.001 * most_rad).contains(&rad.abs()), "{when}: {rad} rad");
+        }
+        assert!((simulation_rad - experiment_rad).abs() <= 2.0 * count_rad, "{when}");
+    }
+}

@@ -31,7 +31,7 @@ use tests::{fault_table, optional, own_core, rom_loader};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 19] = [
+const TRIALS: [(&str, Check); 20] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -50,6 +50,7 @@ const TRIALS: [(&str, Check); 19] = [
     ("against_hil::the_experiment_differs_from_its_simulation_as_explained", against_hil::experiment),
     ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
     ("experiment::a_person_brings_the_load_to_its_start", experiment::waits_for_the_start),
+    ("experiment::a_motor_at_a_bridge_has_no_static_error_after_compensation", experiment::at_a_bridge),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
         fault_table::check_watchdog_on("silicon", 0.2);
     }),

@@ -15,7 +15,8 @@ use lashloop_silicon::pins::{Bridge, Pins};
 use lashloop_silicon::surroundings::{Arrival, End, Surroundings};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::wiring::Encoder;
-use rigless::emulator::AccessKind;
+use rigless::emulator::{Access, AccessKind};
+use rigless::image::Image;
 
 use crate::machine::Machine;
 use crate::turntable::{self, Speeds};
@@ -26,6 +27,8 @@ pub const MOTOR_COUNTER: u64 = 0x4000_0424;
 pub const TICK_STATUS: u64 = 0x4000_0c10;
 /// Option register of TIM5, which connects a channel to the low-speed oscillator.
 pub const TICK_OPTION: u64 = 0x4000_0c50;
+/// FLASH_CR of an STM32F4.
+pub const FLASH_CONTROL: u64 = 0x4002_3c10;
 /// Time from power-up to the first turn of the surroundings.
 const FIRST_TURN: Duration = Duration::from_micros(50);
 
@@ -60,6 +63,8 @@ pub struct Log {
     pub ticks: Vec<Duration>,
     /// Writes to [`TICK_OPTION`].
     pub lsi_selections: usize,
+    /// Writes to [`FLASH_CONTROL`].
+    pub flash_control: Vec<u32>,
     /// Readings of [`MOTOR_COUNTER`], with the counts of both encoders at that instant.
     pub readings: Vec<(Duration, i64, i64)>,
 }
@@ -79,6 +84,7 @@ pub struct Site {
     pub log: Log,
     /// `None` for a crystal that doesn't start.
     crystal_hz: Option<u64>,
+    kept: Option<Image>,
     commands: Receiver<Command>,
     until: Duration,
     /// Takes the device time of a frame of the chip.
@@ -112,6 +118,10 @@ impl Surroundings for Site {
         ControlFlow::Continue(due.min(self.until))
     }
 
+    fn kept(&self) -> Option<Image> {
+        self.kept.clone()
+    }
+
     fn watches_bridge(&self) -> bool {
         true
     }
@@ -136,8 +146,9 @@ impl Surroundings for Site {
         self.log.arrivals.push(arrival);
     }
 
-    fn accessed(&mut self, at: Duration, register: u64, kind: AccessKind) {
-        match (register, kind) {
+    fn accessed(&mut self, at: Duration, access: &Access) {
+        match (access.address, access.kind) {
+            (FLASH_CONTROL, AccessKind::Write) => self.log.flash_control.push(access.value as u32),
             (TICK_STATUS, AccessKind::Write) => self.log.ticks.push(at),
             (TICK_OPTION, AccessKind::Write) => self.log.lsi_selections += 1,
             (MOTOR_COUNTER, AccessKind::Read) => {
@@ -191,13 +202,25 @@ impl Bench {
         Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), Some(crystal_hz))
     }
 
+    /// As [`Self::power_up`], with this in the flash memory besides the image.
+    pub fn with_kept(image: &Symbols, at: u64, bytes: Vec<u8>) -> Self {
+        let kept = Image::new(Path::new("kept"), bytes, Some(at)).expect("bytes at an address");
+        let train = turntable::drive_train(&Speeds::default(), (0, 0));
+        Self::holding(image, train, Some(CRYSTAL_HZ), Some(kept))
+    }
+
     fn new(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>) -> Self {
+        Self::holding(image, train, crystal_hz, None)
+    }
+
+    fn holding(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>, kept: Option<Image>) -> Self {
         let board = image.board().expect("an image").expect("the image names its board");
         let wiring = boards::open(&board).unwrap_or_else(|error| panic!("{error}"));
         let machine = Machine::power_up(image, wiring, |commands| Site {
             train,
             log: Log::default(),
             crystal_hz,
+            kept,
             commands,
             until: Duration::ZERO,
             on_frame: None,

@@ -135,9 +135,14 @@ impl Host {
         self.command(Start { session: SESSION })
     }
 
-    pub fn set(&mut self, name: &str, value: ParameterValue) -> Outcome {
+    /// Index of the parameter of this name.
+    pub fn index(&mut self, name: &str) -> u8 {
         let index = PARAMETERS.get_or_init(|| self.names()).iter().position(|it| it == name);
-        let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
+        index.unwrap_or_else(|| panic!("no parameter {name}")) as u8
+    }
+
+    pub fn set(&mut self, name: &str, value: ParameterValue) -> Outcome {
+        let index = self.index(name);
         self.exchange(SetParameter { index, value }, |message| match message {
             DriveMessage::ParameterReport(report) if report.index == index => Some(report.outcome),
             _ => None,

@@ -9,6 +9,7 @@
 //! | PB13, PB14 | TIM1 complements of both channels | low sides A and B of two half-bridges |
 //! | PB12 | TIM1 break input | power stage: low while it is ready |
 //! | PB0 | output | enable input of the power stage |
+//! | PB1 | output | switch of a brake resistor at the bus of a bridge: high while it is on |
 //! | PC0 | ADC1 input 10 | current sensor of a bridge: half the supply of the chip at no current |
 //! | PC1 | ADC1 input 11 | voltage of the bus, divided |
 //! | PC2 | input | enable contact, to ground |
@@ -90,6 +91,13 @@ impl AmplifierLines for Lines {
         let port = unsafe { GPIOB::steal() };
         port.bsrr().write(|w| w.br0().set_bit());
     }
+
+    fn set_brake(is_high: bool) {
+        // SAFETY: a store to a pin of no other owner.
+        #[allow(unsafe_code)]
+        let port = unsafe { GPIOB::steal() };
+        port.bsrr().write(|w| w.bs1().bit(is_high).br1().bit(!is_high));
+    }
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
@@ -116,6 +124,7 @@ pub fn start(
     second.into_alternate::<1>().set_internal_resistor(Pull::Down);
     b.pb13.into_alternate::<1>().set_internal_resistor(Pull::Down);
     b.pb14.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    b.pb1.into_push_pull_output();
     c.pc0.into_analog();
     c.pc1.into_analog();
     let contacts = ContactPins([c.pc2.into_pull_up_input().erase(), c.pc3.into_pull_up_input().erase(), c.pc4.into_pull_up_input().erase(), c.pc5.into_pull_up_input().erase()]);

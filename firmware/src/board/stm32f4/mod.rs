@@ -8,6 +8,7 @@ mod adc;
 mod clock_tree;
 mod contacts;
 mod encoder;
+mod flash;
 mod ports;
 mod pwm;
 mod serial;
@@ -27,6 +28,7 @@ use stm32f4xx_hal::serial::{Rx, Tx};
 use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use ports::{Blocks, Ports};
 
 /// A chip of the family on the selected board.
@@ -47,6 +49,7 @@ impl Chip for Stm32f4 {
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
+    const STORE: &'static dyn Memory = &flash::Flash;
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;

@@ -9,6 +9,7 @@
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
 //! | PE15 | D37 | TIM1 break input | power stage: low while it is ready |
 //! | PE7 | D41 | output | enable input of the power stage |
+//! | PE0 | D34 | output | as PB1 there |
 //! | PC0, PC3 | A1, A2 | ADC1 inputs 10 and 13 | as PC0 and PC1 there |
 //! | PE4 | D57 | input | enable contact, to ground |
 //! | PE5, PE6 | D58, D59 | inputs | negative and positive limit switch, to ground |
@@ -87,6 +88,13 @@ impl AmplifierLines for Lines {
         let port = unsafe { GPIOE::steal() };
         port.bsrr().write(|w| w.br7().set_bit());
     }
+
+    fn set_brake(is_high: bool) {
+        // SAFETY: a store to a pin of no other owner.
+        #[allow(unsafe_code)]
+        let port = unsafe { GPIOE::steal() };
+        port.bsrr().write(|w| w.bs0().bit(is_high).br0().bit(!is_high));
+    }
 }
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
@@ -113,6 +121,7 @@ pub fn start(
     e.pe11.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe8.into_alternate::<1>().set_internal_resistor(Pull::Down);
     e.pe10.into_alternate::<1>().set_internal_resistor(Pull::Down);
+    e.pe0.into_push_pull_output();
     current.into_analog();
     bus.into_analog();
     let contacts = ContactPins([e.pe4.into_pull_up_input().erase(), e.pe5.into_pull_up_input().erase(), e.pe6.into_pull_up_input().erase(), e.pe3.into_pull_up_input().erase()]);

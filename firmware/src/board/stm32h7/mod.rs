@@ -6,6 +6,7 @@
 mod clock_tree;
 mod contacts;
 mod encoder;
+mod flash;
 mod ports;
 mod pwm;
 mod serial;
@@ -27,6 +28,7 @@ use super::chip::{Bench, Chip, Started};
 use super::clock_source::ClockSource;
 use super::parts::NoSensor;
 use super::usb_port::UsbMemory;
+use crate::store::Memory;
 use ports::{Ports, Timers};
 
 /// A chip of the family on the selected board.
@@ -47,6 +49,7 @@ impl Chip for Stm32h7 {
     type Tick = timers::Tim5;
     type Monitor = timers::Tim2;
 
+    const STORE: &'static dyn Memory = &flash::Flash;
     const BOARD: &'static str = fitted::NAME;
     const CHIP: &'static str = fitted::CHIP;
     const LINK: Interrupt = fitted::LINK;

@@ -50,7 +50,7 @@ impl PinPlant {
 
     /// The value that the scenario gives a parameter of the drive.
     fn parameter(&self, name: &str) -> Option<&ParameterValue> {
-        let settings = &self.scenario.controller.parameters;
+        let settings = &self.scenario.bench.parameters;
         settings.iter().find(|setting| setting.name == name).map(|setting| &setting.value)
     }
 

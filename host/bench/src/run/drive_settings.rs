@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::enums::{CaptureTrigger, ParameterValue};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::parameter_names::{
     BENCH_SAMPLE_EVERY, CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, SAMPLE_SOURCE,
@@ -11,9 +11,13 @@ use lashloop_protocol::parameter_names::{
 
 use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM, key_of_pin};
 use crate::scenario::controller::{self, ParameterSetting};
+use crate::scenario::scope::{ScopeSettings, ScopeTrigger};
+use crate::scenario::sections::SignalChoice;
 use crate::scenario::{Origin, Scenario, ScenarioError, ScenarioErrors};
 use lashloop_session::names::UnknownName;
-use lashloop_session::{Law, Parameter, Session, Subscription, WrittenValue};
+use lashloop_session::{
+    CaptureError, CaptureRequest, DriveSignal, Law, Parameter, Session, Subscription, WrittenValue,
+};
 
 /// Parameters of bench mode that the bench sets itself, and the keys that they follow.
 const OF_BENCH_MODE: [(&str, &str); 2] =
@@ -28,6 +32,7 @@ pub(super) struct DriveSettings<'a> {
     /// Those of `[bench]`, in bench mode, then those of `[controller.parameters]` that the law has.
     pub(super) parameters: Vec<&'a ParameterSetting>,
     pub(super) subscription: Subscription,
+    pub(super) capture: Option<CaptureRequest>,
     /// What the scenario has and the drive is not given, for the log of the run.
     pub(super) notes: Vec<String>,
 }
@@ -59,7 +64,10 @@ impl<'a> DriveSettings<'a> {
         let of_pins = scenario.bench.parameters.iter().filter(|_| !scenario.run.mode.is_hil());
         let parameters = of_pins.chain(parameters).collect();
         let subscription = match &scenario.telemetry.signals {
-            Some(_) => chosen(scenario, session, law, &mut errors),
+            Some(choices) => {
+                let signals = TELEMETRY.chosen(choices, session, law, &mut errors);
+                Subscription::new(signals, scenario.telemetry.every_steps)
+            }
             None => {
                 let every = scenario.telemetry.every_steps;
                 let (subscription, left_out) = Subscription::to_all(&session.signals, law.index, every);
@@ -73,6 +81,7 @@ impl<'a> DriveSettings<'a> {
                 subscription
             }
         };
+        let capture = capture(&scenario.scope, session, law, &mut errors);
         if !errors.is_empty() {
             return Err(errors.into());
         }
@@ -85,11 +94,25 @@ impl<'a> DriveSettings<'a> {
         if !scenario.run.mode.is_hil() {
             required
                 .extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, scenario.bench.sample_every.into())]);
+            required.extend(travel(scenario, session));
         } else if let Some(watchdog) = watchdog {
             required.push((WATCHDOG_US, 1e6 * watchdog.as_secs_f64()));
         }
-        Ok(Self { required, parameters, subscription, notes })
+        Ok(Self { required, parameters, subscription, capture, notes })
     }
+}
+
+/// The travel of `[bench]` as limits of a drive that has them: it stops without the host, too. Its zero is the start.
+fn travel(scenario: &Scenario, session: &Session) -> Vec<(&'static str, f64)> {
+    let (Some(limit_rad), BenchStart::Initial) = (scenario.bench.load_travel_limit_rad, scenario.bench.start)
+    else {
+        return Vec::new();
+    };
+    let start_rad = scenario.plant.initial.load_position_rad;
+    let limits =
+        [("load_travel_min_rad", -limit_rad - start_rad), ("load_travel_max_rad", limit_rad - start_rad)];
+    let is_set = |name: &str| scenario.bench.parameters.iter().any(|it| it.name == name);
+    limits.into_iter().filter(|(name, _)| session.parameter(name).is_some() && !is_set(name)).collect()
 }
 
 /// Parameters that keys outside `[controller.parameters]` set: name, key and value.
@@ -191,41 +214,86 @@ fn foreign(
     }
 }
 
-/// The subscription to the signals that the scenario names.
-fn chosen(
-    scenario: &Scenario,
+/// A list of signals of a scenario.
+struct SignalList {
+    key: &'static str,
+    /// What carries the signals, in words, and how many it carries.
+    carrier: &'static str,
+    most: usize,
+}
+
+const TELEMETRY: SignalList =
+    SignalList { key: "telemetry.signals", carrier: "a telemetry", most: MAX_TELEMETRY_VALUES };
+const SCOPE: SignalList = SignalList { key: "scope.signals", carrier: "a capture", most: 4 };
+
+impl SignalList {
+    /// The signals that the scenario names.
+    fn chosen(
+        &self,
+        choices: &[SignalChoice],
+        session: &Session,
+        law: &Law,
+        errors: &mut Vec<ScenarioError>,
+    ) -> Vec<DriveSignal> {
+        let mut signals = Vec::new();
+        for choice in choices {
+            let name = &*choice.name;
+            let refusal = match session.signal(name) {
+                None => {
+                    let known = session.signals.iter().map(|it| &*it.signal.name);
+                    UnknownName::new("the drive", "signal", name, known).to_string()
+                }
+                Some(signal) if !signal.laws.contains(law.index) => {
+                    let laws = signal.laws.names(&session.laws);
+                    format!("it belongs to {laws}, and this run uses {}", law.name)
+                }
+                Some(signal) if signals.contains(signal) => "it is given twice".to_owned(),
+                Some(_) if signals.len() == self.most => {
+                    format!("it is one too many; {} has {} signals at most", self.carrier, self.most)
+                }
+                Some(signal) => {
+                    signals.push(signal.clone());
+                    continue;
+                }
+            };
+            errors.push(ScenarioError::by_drive(&choice.origin, self.key, format!("{name:?}"), refusal));
+        }
+        signals
+    }
+}
+
+/// The capture of the scenario, if it has one.
+fn capture(
+    scope: &ScopeSettings,
     session: &Session,
     law: &Law,
     errors: &mut Vec<ScenarioError>,
-) -> Subscription {
-    let mut signals = Vec::new();
-    for choice in scenario.telemetry.signals.iter().flatten() {
-        let name = &*choice.name;
-        let refusal = match session.signal(name) {
-            None => {
-                let known = session.signals.iter().map(|it| &*it.signal.name);
-                UnknownName::new("the drive", "signal", name, known).to_string()
-            }
-            Some(signal) if !signal.laws.contains(law.index) => {
-                format!("it belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
-            }
-            Some(signal) if signals.contains(signal) => "it is given twice".to_owned(),
-            Some(_) if signals.len() == MAX_TELEMETRY_VALUES => {
-                format!("it is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
-            }
-            Some(signal) => {
-                signals.push(signal.clone());
-                continue;
-            }
-        };
-        errors.push(ScenarioError::by_drive(
-            &choice.origin,
-            "telemetry.signals",
-            format!("{name:?}"),
-            refusal,
-        ));
+) -> Option<CaptureRequest> {
+    let (choices, first) = (scope.signals.as_ref()?, scope.first()?);
+    if !session.has_scope() {
+        let value = format!("{:?}", first.name);
+        errors.push(ScenarioError::by_drive(&first.origin, SCOPE.key, value, CaptureError::Unsupported));
+        return None;
     }
-    Subscription::new(signals, scenario.telemetry.every_steps)
+    let signals = SCOPE.chosen(choices, session, law, errors);
+    let source = scope.trigger_signal.as_ref().unwrap_or(first);
+    let trigger_signal = signals.iter().find(|it| it.signal.name == source.name).map(|it| it.index);
+    if trigger_signal.is_none() && scope.trigger_signal.is_some() {
+        let known = signals.iter().map(|it| &*it.signal.name);
+        let refusal = UnknownName::new("the capture", "signal", &source.name, known);
+        let (origin, value) = (&source.origin, format!("{:?}", source.name));
+        errors.push(ScenarioError::by_drive(origin, "scope.trigger_signal", value, refusal));
+    }
+    let mut capture = CaptureRequest::new(signals);
+    (capture.every, capture.before) = (scope.every_steps, scope.before_rows);
+    (capture.trigger_signal, capture.level) = (trigger_signal?, scope.level as f32);
+    capture.trigger = match scope.trigger {
+        ScopeTrigger::Now => CaptureTrigger::Now,
+        ScopeTrigger::Rising => CaptureTrigger::Rising,
+        ScopeTrigger::Falling => CaptureTrigger::Falling,
+        ScopeTrigger::Fault => CaptureTrigger::Fault,
+    };
+    Some(capture)
 }
 
 /// A value of the scenario as the session takes it.

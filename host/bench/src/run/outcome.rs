@@ -10,6 +10,7 @@ use crate::timing::TimingReport;
 use crate::verdict::{BrokenRule, Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;
 use lashloop_plant::metrics::{Metrics, SignalTable};
+use lashloop_session::CapturedRows;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,6 +127,8 @@ pub struct Outcome {
     pub logs: Vec<String>,
     /// The signals of plant and drive that every step has a value for.
     pub signals: SignalTable,
+    /// What the drive has captured; `None` without a `[scope]` in the scenario, or without its event.
+    pub scope: Option<CapturedRows>,
 }
 
 impl Outcome {

@@ -25,7 +25,7 @@ use crate::verdict::{Judgement, LinkCounts};
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::{PlantError, Signal};
 use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
-use lashloop_session::{Session, Traffic};
+use lashloop_session::{CapturedRows, Session, Traffic};
 
 /// Runs a scenario on a device and judges it.
 ///
@@ -92,7 +92,7 @@ fn observed(
             in_real_time(scenario, simulator, timeline, settings, device, &options, &mut recorder)?
         }
     };
-    let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults } = closed;
+    let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults, scope } = closed;
     if matches!(end, End::Diverged(_)) {
         recorder.measurement.diverged();
     }
@@ -117,6 +117,7 @@ fn observed(
         torque_sha256: recorder.digest.finish(),
         logs: device.session.line.logs.take(),
         signals,
+        scope,
     })
 }
 
@@ -175,6 +176,7 @@ struct Closed {
     counts: Counts,
     wall_s: f64,
     faults: Vec<FaultRecord>,
+    scope: Option<CapturedRows>,
 }
 
 /// Runs the loop on its own thread and the recorder on this one.
@@ -250,6 +252,8 @@ fn run_to_end<'a, S: StepSink>(
     if stopped.is_err() {
         device.session.abandon();
     }
+    let can_be_read = stopped.is_ok() && end.as_ref().is_ok_and(End::leaves_a_session);
+    let scope = if can_be_read { captured(device) } else { None };
     let end = end.map(|end| with_own_names(end, device));
     if let Some(warning) = device.session.telemetry_warning() {
         device.session.line.logs.note(warning);
@@ -263,7 +267,14 @@ fn run_to_end<'a, S: StepSink>(
     if end == End::Complete {
         stopped?;
     }
-    Ok(Closed { end, counts: control.state().counts, wall_s, faults })
+    Ok(Closed { end, counts: control.state().counts, wall_s, faults, scope })
+}
+
+/// What the drive has captured. A run has its verdict without it.
+fn captured(device: &mut Device) -> Option<CapturedRows> {
+    device.session.accepted_capture()?;
+    let rows = device.session.read_capture();
+    rows.map_err(|error| device.session.line.logs.note(format!("no rows of [scope]: {error}"))).ok()
 }
 
 /// The end of a run with the drive's own names of what this bench doesn't know.

@@ -14,7 +14,7 @@ use super::error::RunError;
 use crate::device::{Device, DeviceError, DriveHost};
 use crate::scenario::{RunMode, Scenario, ScenarioError};
 use crate::timing::ClockName;
-use lashloop_session::{SessionError, SetError, SubscribeError};
+use lashloop_session::{CaptureError, SessionError, SetError, SubscribeError};
 
 /// Time for the first reading after power-up: two of the longest control periods, of 100 ms.
 const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);
@@ -63,6 +63,16 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
             device.unfit(format!("it does not send the signals that the scenario needs: {rejected}"))
         }
     })?;
+    if let (Some(capture), Some(first)) = (settings.capture, scenario.scope.first()) {
+        device.session.capture(capture).map_err(|error| match error {
+            CaptureError::Session(source) => device.explain(source).into(),
+            refused => {
+                let rows = scenario.scope.before_rows.to_string();
+                let reason = format!("{refused}; its memory takes more rows of fewer signals");
+                RunError::from(ScenarioError::by_drive(&first.origin, "scope.before_rows", rows, reason))
+            }
+        })?;
+    }
     for note in settings.notes {
         device.session.line.logs.note(note);
     }

@@ -3,6 +3,8 @@
 //! Bench mode has no simulator between drive and pins. A key that acts on samples, on torques or on the simulated plant
 //! has no effect there, so it is an error.
 
+use lashloop_firmware::drive::PinParameters;
+use lashloop_firmware::law::{Parameter, ParameterGroup, Range};
 use serde::Serialize;
 
 use super::controller::{ParameterSetting, ParameterValue, serialize_parameters};
@@ -21,28 +23,65 @@ const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 /// Parameter of the law of a drive that takes its reference as a torque: N m for a reference of 1 rad.
 pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
 
-/// Numbers of `[bench]`: key, range and meaning. Each is the drive's parameter of that name.
-const NUMBERS: [(&str, f64, f64, &str); 5] = [
-    (TORQUE_PER_DUTY_NM, 1e-3, 1e5, "Torque at the motor for a duty of 1 more than `duty_offset`."),
-    ("duty_offset", 0.0, 1.0, "Duty of no torque."),
-    ("duty_min", 0.0, 1.0, "Smallest duty of the amplifier."),
-    ("duty_max", 0.0, 1.0, "Largest duty of the amplifier."),
-    ("twist_limit_rad", 1e-3, 1e5, "Largest plausible change of the twist since the start, at the motor."),
-];
-
-/// Directions of `[bench]`: key and meaning.
-const DIRECTIONS: [(&str, &str); 3] = [
+/// The parameters of bench mode that are keys of `[bench]`, with their meaning. Ranges and choices are those of the drive.
+const PINS: [(&str, &str); 39] = [
+    (TORQUE_PER_DUTY_NM, "Torque at the motor for a duty of 1 more than `duty_offset`."),
+    ("duty_offset", "Duty of no torque."),
+    ("duty_min", "Smallest duty of the amplifier."),
+    ("duty_max", "Largest duty of the amplifier."),
+    ("twist_limit_rad", "Largest plausible change of the twist since the start, at the motor."),
     ("motor_direction", "Direction of the motor encoder."),
     ("load_direction", "Direction of the load encoder."),
     ("torque_direction", "Direction of the power stage."),
+    ("encoder_filter_ns", "Pulses on a channel of an encoder up to this length are noise."),
+    ("stage_mode", "What the outputs mean to the power stage."),
+    ("pwm_frequency_hz", "Frequency of the pulse-width modulation."),
+    ("torque_source", "What makes the torque of a command."),
+    ("motor_resistance_ohm", "Resistance of the motor with that of the bridge."),
+    ("motor_inductance_h", "Inductance of the motor."),
+    ("torque_constant_nm_a", "Torque constant of the motor; that of its back-EMF is equal."),
+    ("supply_v", "Voltage of the bus where nothing measures it."),
+    ("current_range_a", "Current that takes the converter of the sensor from the middle to its end."),
+    ("current_direction", "Direction of the current sensor."),
+    ("supply_range_v", "Voltage of the bus at the end of its converter."),
+    ("current_limit_a", "Largest current by command; beyond 1.5 of it the drive switches the bridge off."),
+    ("supply_min_v", "Smallest voltage of the bus."),
+    ("supply_max_v", "Largest voltage of the bus."),
+    ("brake_on_v", "Voltage of the bus from which on a brake resistor is on, until 3 % less."),
+    ("torque_slew_nm_s", "Fastest change of the torque."),
+    ("motor_travel_min_rad", "Least position of the motor from the zero of its encoder."),
+    ("motor_travel_max_rad", "Largest position of the motor from the zero of its encoder."),
+    ("load_travel_min_rad", "Least position of the load from the zero of its encoder."),
+    ("load_travel_max_rad", "Largest position of the load from the zero of its encoder."),
+    ("stall_time_s", "Longest time at 0.9 of the torque limit or more in which neither encoder moves."),
+    ("missing_torque_time_s", "Longest time in which the measured torque is less than half the command."),
+    ("torque_continuous_nm", "Torque that the motor bears forever."),
+    ("motor_thermal_s", "Thermal time constant of the winding."),
+    ("current_continuous_a", "Current that the bridge bears forever."),
+    ("stage_thermal_s", "Thermal time constant of the bridge."),
+    ("enable_input", "Contact without which the drive neither arms nor runs, by when it is active."),
+    ("negative_limit_input", "Contact that ends a torque towards negative positions."),
+    ("positive_limit_input", "Contact that ends a torque towards positive positions."),
+    ("home_input", "Contact at the zero of both encoders."),
+    ("rig_id", "Number of the rig."),
 ];
+
+/// The drive's parameter of bench mode with this name.
+fn parameter(name: &str) -> &'static Parameter {
+    let found = PinParameters::TABLE.iter().find(|it| it.name == name);
+    found.unwrap_or_else(|| panic!("the drive has no parameter {name}"))
+}
+
+/// The number that was written in the source of the drive.
+fn written(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(number.into())
+}
 
 /// The key of a parameter that describes the pins; `None` for any other parameter. One place alone sets it, because a rig
 /// replaces what a scenario has there.
 #[must_use]
 pub fn key_of_pin(parameter: &str) -> Option<String> {
-    let names = NUMBERS.iter().map(|it| it.0).chain(DIRECTIONS.iter().map(|it| it.0));
-    names.into_iter().find(|name| *name == parameter).map(|name| format!("bench.{name}"))
+    PINS.iter().find(|(name, _)| *name == parameter).map(|(name, _)| format!("bench.{name}"))
 }
 
 settings! {
@@ -89,16 +128,22 @@ fn pins() -> impl Field<Value = Vec<ParameterSetting>> {
             let name = key.to_owned();
             parameters.extend(value.map(|value| ParameterSetting { section: "bench", name, value, origin }));
         };
-        for (key, low, high, doc) in NUMBERS {
-            let number = number(low..=high).optional().read(key, doc, bench);
-            take(key, number.map(ParameterValue::Number), bench.origin_of(key));
-        }
-        let direction = |name, doc| Choice { name, doc };
-        for (key, doc) in DIRECTIONS {
-            let names =
-                vec![direction("forward", "as wired"), direction("reverse", "with the opposite sign")];
-            let name = name_of(names).optional().read(key, doc, bench);
-            take(key, name.map(ParameterValue::Text), bench.origin_of(key));
+        for (key, doc) in PINS {
+            let value = match parameter(key).range {
+                Range::F32 { min, max, .. } => {
+                    let number = number(written(min)..=written(max)).optional().read(key, doc, bench);
+                    number.map(ParameterValue::Number)
+                }
+                Range::U32 { min, max, .. } => {
+                    let number = integer(min..=max).optional().read(key, doc, bench);
+                    number.map(|number| ParameterValue::Number(number.into()))
+                }
+                Range::Choice { names, .. } => {
+                    let choices = names.iter().map(|name| Choice { name, doc: "" }).collect();
+                    name_of(choices).optional().read(key, doc, bench).map(ParameterValue::Text)
+                }
+            };
+            take(key, value, bench.origin_of(key));
         }
         parameters
     })
@@ -159,5 +204,19 @@ pub(super) fn check(
         if is_wrong {
             root.reject(key, reason);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_parameter_of_the_pins_is_a_key() {
+        let by_others = ["sample_source", "bench_sample_every"];
+        let of_drive = PinParameters::TABLE.iter().map(|it| it.name).filter(|name| !by_others.contains(name));
+        let missing: Vec<_> = of_drive.filter(|name| key_of_pin(name).is_none()).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+        assert!(PINS.iter().all(|(name, _)| parameter(name).name == *name));
     }
 }

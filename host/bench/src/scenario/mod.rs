@@ -12,6 +12,7 @@
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `meant` | traps that are meant | `traps` |
 //! | `[run]` `[encoders]` `[line]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`mod@sections`] |
+//! | `[scope]` | what the drive captures | [`mod@scope`] |
 //! | `[bench]` | what lies at the drive's pins in bench mode | [`mod@bench`] |
 //! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
@@ -40,6 +41,7 @@ mod plant_keys;
 pub mod range;
 mod reader;
 mod reference;
+pub mod scope;
 pub mod sections;
 pub mod settings_file;
 mod spelling;
@@ -47,7 +49,7 @@ pub mod sweep;
 pub mod tables;
 mod traps;
 mod tree;
-mod unit;
+pub mod unit;
 
 use std::path::Path;
 
@@ -70,6 +72,7 @@ use self::fault::InjectedFault;
 use self::key::Keys;
 use self::plant::PlantSettings;
 use self::reference::ReferenceKeys;
+use self::scope::ScopeSettings;
 use self::sections::{
     Allowance, EncoderSettings, LineSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
@@ -115,8 +118,8 @@ settings! {
         pub encoders: EncoderSettings = section(plain),
         /// The drive's control law and parameters.
         pub controller: ControllerSettings = section(plain),
-        /// Encoders and power stage at the drive's pins, as parameters of the drive. In HIL mode the section has no effect;
-        /// an absent key keeps the drive's default.
+        /// Encoders and power stage at the drive's pins, as parameters of the drive: [stages.md](hardware/stages.md). In HIL mode
+        /// the section has no effect; an absent key keeps the drive's default.
         #[serde(skip_serializing_if = "BenchSettings::is_empty")]
         pub bench: BenchSettings = section(plain),
         /// The commanded load position.
@@ -129,6 +132,9 @@ settings! {
         pub allow: Allowance = section(plain),
         /// Telemetry of the drive.
         pub telemetry: TelemetrySettings = section(plain),
+        /// Signals that the drive captures around an event, at the rate of its loop. Their rows are scope.csv in the record.
+        #[serde(skip_serializing_if = "ScopeSettings::is_off")]
+        pub scope: ScopeSettings = section(plain),
         /// How the record is written.
         pub record: RecordSettings = section(plain),
         /// A fault to inject; [faults.md](faults.md) has what each kind does and how it is detected.

@@ -244,7 +244,7 @@ pub struct SignalChoice {
     pub origin: Origin,
 }
 
-fn signals() -> impl Field<Value = Option<Vec<SignalChoice>>> {
+pub(super) fn signals() -> impl Field<Value = Option<Vec<SignalChoice>>> {
     let texts = placed_texts("a list of the drive's signals, such as [\"load_error_rad\"]").optional();
     let choice =
         |node: Node| SignalChoice { name: node.text().unwrap_or_default().to_owned(), origin: node.origin };

@@ -7,15 +7,17 @@
 /// The units by the ends of keys, longer ends first.
 #[rustfmt::skip]
 const UNITS: &[(&str, &str)] = &[
-    ("kg_m2", "kg m^2"), ("nm_s_rad", "N m s/rad"), ("nm_rad", "N m/rad"), ("nm", "N m"),
+    ("kg_m2", "kg m^2"), ("nm_s_rad", "N m s/rad"), ("nm_rad", "N m/rad"), ("nm_s", "N m/s"), ("nm_a", "N m/A"),
+    ("nm", "N m"), ("ohm", "Ohm"), ("h", "H"), ("a", "A"), ("v", "V"), ("ns", "ns"),
     ("rad_s2", "rad/s^2"), ("rad_s", "rad/s"), ("rad", "rad"),
     ("ms", "ms"), ("us", "us"), ("s", "s"), ("hz", "Hz"),
     ("counts_per_rev", "counts/rev"), ("counts", "counts"), ("baud", "Bd"), ("steps", "steps"), ("rows", "rows"),
     ("lost", "steps"), ("late", "steps"), ("late_in_a_row", "steps"),
 ];
 
-/// The unit of a key; empty for a pure number.
-pub(super) fn of(key: &str) -> &'static str {
+/// The unit of a key or a signal, by the end of its name; empty for a pure number.
+#[must_use]
+pub fn of(key: &str) -> &'static str {
     let ends_with =
         |end: &str| key.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with('_'));
     UNITS.iter().find(|(end, _)| ends_with(end)).map_or("", |(_, unit)| unit)
@@ -27,7 +29,7 @@ const WORDS: &[&str] = &[
     "s", "s2", "sec", "seconds", "ms", "us", "ns", "min", "minutes", "h", "hz", "khz", "mhz",
     "rad", "mrad", "deg", "degrees", "rev", "turns", "rpm", "counts", "count", "per", "ticks", "lsb",
     "n", "kn", "mn", "m", "mm", "cm", "nm", "knm", "mnm", "nms", "kg", "g", "m2", "cm2", "mm2", "kgm2", "gcm2",
-    "steps", "rows",
+    "ohm", "a", "v", "steps", "rows",
 ];
 
 /// Whether two keys name one quantity, in any units.

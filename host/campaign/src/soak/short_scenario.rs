@@ -33,5 +33,6 @@ pub(super) fn one_step(verdict: Verdict) -> Outcome {
         torque_sha256: String::new(),
         logs: Vec::new(),
         signals: SignalTable::default(),
+        scope: None,
     }
 }

@@ -29,7 +29,7 @@ use crate::output::{outln, prepare_folder, warn, write_csv, write_file};
 use crate::supervision::start_supervisor;
 use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::{Rig, RigError};
-use merzouki_2005::scenarios::{BENCH_SCENARIOS, Source};
+use merzouki_2005::scenarios::{BENCH_SCENARIOS, BRIDGE, Source};
 
 const INDEX: &str = "index.html";
 
@@ -54,6 +54,15 @@ pub(crate) struct Arguments {
     /// Value instead of each scenario's, for both runs, such as controller.parameters.reduction_ratio=4; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
+
+    /// As --set, for the runs after compensation only, such as controller.name=braking-curve; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    after: Vec<String>,
+
+    /// A motor on a bridge with a current loop, for both runs, instead of a servo amplifier: 0.24 N m/A, 0.96 Ohm, 1 mH, 120 V,
+    /// and a current sensor that is off by 2 %
+    #[arg(long, conflicts_with = "rig")]
+    bridge: bool,
 
     /// Folder for the figures, index.html and a record of each run
     #[arg(long, default_value = "out/experiment", value_name = "DIR")]
@@ -80,9 +89,14 @@ impl Arguments {
         prepare_folder(&self.out, &[INDEX])?;
         let (mut worst, mut compared, mut drive) = (Verdict::Pass, Vec::new(), String::new());
         let plant = self.plant.as_deref().map(plant_settings).transpose()?.unwrap_or_default();
-        let settings: Vec<_> = plant.into_iter().chain(self.set.iter().cloned()).collect();
+        let bridge = if self.bridge { &BRIDGE[..] } else { &[] };
+        let bridge = bridge.iter().map(|it| (*it).to_owned());
+        let settings: Vec<_> = plant.into_iter().chain(bridge).chain(self.set.iter().cloned()).collect();
         let of_rig = rig.as_ref().map(|taken| &taken.rig);
-        let scenarios = BENCH_SCENARIOS.map(|source| scenarios(source, of_rig, &settings, &plants(bench)));
+        let scenarios = BENCH_SCENARIOS.map(|source| {
+            let after = if source.0.ends_with("-after.toml") { &self.after[..] } else { &[] };
+            scenarios(source, of_rig, &[&settings, after].concat(), &plants(bench))
+        });
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
             let recorder = self.recorder(name, "experiment", place.rig_file())?;

@@ -92,8 +92,12 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
         assert_eq!(layer["lashloop.number"].as_str(), of_request.as_deref(), "{}", found.layout.name);
         assert_eq!(layer["lashloop.newer"].as_str(), None, "{}", found.layout.name);
         for (layout, value) in found.fields() {
-            // `lashloop.number` is the number of a request.
-            let name = if layout.name == "number" { "reference_number" } else { layout.name };
+            // `lashloop.number` is the number of a request, `lashloop.level` that of a log.
+            let name = match (layout.name, layout.ty) {
+                ("number", _) => "reference_number",
+                ("level", FieldType::F32) => "trigger_level",
+                (name, _) => name,
+            };
             match value {
                 FieldValue::Unsigned(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
                 FieldValue::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),

@@ -14,6 +14,7 @@ mod progress;
 mod report;
 mod rerun;
 mod samples;
+mod scope;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.

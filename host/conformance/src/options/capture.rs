@@ -2,7 +2,7 @@
 
 use super::super::exchanges::refused;
 use super::super::telemetry::subscription::{accepted as subscribed, law_signals};
-use super::{UNNAMED, at_once, needs};
+use super::offered::{UNNAMED, needs};
 use crate::prelude::checks::*;
 
 /// Most signals of a capture.
@@ -29,6 +29,12 @@ pub(super) fn checks() -> Vec<Check> {
         check("R22.5 R22.6", "a capture records around the first row beyond the level", at_level),
         check("R22.5 R22.6", "a capture records up to a fault", up_to_fault),
     ]
+}
+
+/// A capture that needs no event.
+pub(super) fn at_once(signals: u32, every: u16, before: u16) -> Capture {
+    let trigger_signal = signals.trailing_zeros().min(31) as u8;
+    Capture { signals, every, before, trigger: CaptureTrigger::Now, trigger_signal, level: 0.0 }
 }
 
 /// Indices of up to four signals of the law in force.

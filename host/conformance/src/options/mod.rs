@@ -3,13 +3,13 @@
 //! No check moves the zero of a drive, because no request restores it.
 
 mod capture;
+mod offered;
 mod stored;
 
 use super::pins::has;
 use crate::prelude::checks::*;
-
-/// A source and a trigger that no version has.
-const UNNAMED: u8 = 77;
+use capture::at_once;
+use offered::{UNNAMED, needs};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -23,17 +23,6 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(stored::checks());
     checks.extend(capture::checks());
     checks
-}
-
-/// Skips a check of a drive without an option.
-fn needs(client: &Client, capability: Capabilities, lacked: &'static str) -> RuleResult {
-    if has(client, capability) { Ok(()) } else { skip(lacked) }
-}
-
-/// A capture that needs no event.
-fn at_once(signals: u32, every: u16, before: u16) -> Capture {
-    let trigger_signal = signals.trailing_zeros().min(31) as u8;
-    Capture { signals, every, before, trigger: CaptureTrigger::Now, trigger_signal, level: 0.0 }
 }
 
 fn lacking(client: &mut Client) -> RuleResult {
@@ -61,7 +50,7 @@ fn lacking(client: &mut Client) -> RuleResult {
 }
 
 fn zero(client: &mut Client) -> RuleResult {
-    needs(client, Capabilities::BENCH_MODE, "the drive has no encoders")?;
+    needs(client, Capabilities::BENCH_MODE, "the drive has no bench mode")?;
     let other = ZeroSource::from_byte(UNNAMED).unwrap_or(ZeroSource::Home);
     client.in_states(State::ALL, |client, state| {
         let sources: &[ZeroSource] =

@@ -1,7 +1,7 @@
 //! Stored parameters. A check leaves the set that it found, as far as a host can see.
 
 use super::super::parameters::values::{defaults, in_force, set_all};
-use super::needs;
+use super::offered::needs;
 use crate::prelude::checks::*;
 
 const LACKED: &str = "the drive stores no parameters";

@@ -54,7 +54,8 @@ impl MotorOnDevice<'_, '_> {
     pub const PERIOD_US: u32 = PERIOD_US;
 
     fn scenario(&self, held: &HeldCurrents) -> Result<Scenario, MotionError> {
-        let torque_nm: Vec<_> = held.current_a.iter().map(|it| it * self.stated.torque_constant_nm_a).collect();
+        let torque_nm: Vec<_> =
+            held.current_a.iter().map(|it| it * self.stated.torque_constant_nm_a).collect();
         let table = self.train.folder.join(format!("{}.csv", held.name));
         let mut settings = motion(&torque_nm, f64::from(PERIOD_US) / 1e6, &table)
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
@@ -69,7 +70,8 @@ impl MotorOnDevice<'_, '_> {
         if let Some(largest_v) = held.largest_v {
             // What the bus has shows only while the bridge is on.
             let part = largest_v / pin_number(&scenario, "supply_v");
-            let is_centred = given(&scenario, "stage_mode") != Some(&ParameterValue::Text("pwm-dir".to_owned()))
+            let is_centred = given(&scenario, "stage_mode")
+                != Some(&ParameterValue::Text("pwm-dir".to_owned()))
                 && given(&scenario, "stage_mode") != Some(&ParameterValue::Text("two-pwm-brake".to_owned()));
             let duty = if is_centred { 0.5 + 0.5 * part } else { part };
             let duty_max = pin_number(&scenario, "duty_max").min(duty);

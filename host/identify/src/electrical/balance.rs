@@ -225,8 +225,11 @@ fn fit(windows: &[Vec<Window>], count_rad: f64, stated: &Stated) -> Option<(f64,
     let scales: [f64; COUNT] = std::array::from_fn(root_mean_square);
     let turns = scales[BACK_EMF] >= SHOWN_COUNTS * count_rad;
     let used: Vec<usize> = (0..COUNT).filter(|at| scales[*at] > 0.0 && (*at != BACK_EMF || turns)).collect();
-    let row = |it: &Window| DVector::from_iterator(used.len(), used.iter().map(|at| it.causes[*at] / scales[*at]));
-    let known_vs = |it: &Window| it.flux_vs - if turns { 0.0 } else { stated.torque_constant_nm_a * it.causes[BACK_EMF] };
+    let row =
+        |it: &Window| DVector::from_iterator(used.len(), used.iter().map(|at| it.causes[*at] / scales[*at]));
+    let known_vs = |it: &Window| {
+        it.flux_vs - if turns { 0.0 } else { stated.torque_constant_nm_a * it.causes[BACK_EMF] }
+    };
     let (mut matrix, mut right) = (DMatrix::zeros(used.len(), used.len()), DVector::zeros(used.len()));
     let mut late = DVector::zeros(used.len());
     for window in all() {

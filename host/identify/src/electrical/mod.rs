@@ -17,5 +17,5 @@ mod procedure;
 pub use balance::{Motor, Steps};
 pub use motions::HeldCurrents;
 pub use procedure::{
-    Checked, ElectricalError, ElectricalTrain, MadeSteps, Stated, StageTrip, commission_motor,
+    Checked, ElectricalError, ElectricalTrain, MadeSteps, StageTrip, Stated, commission_motor,
 };

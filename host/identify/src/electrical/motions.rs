@@ -30,14 +30,26 @@ impl HeldCurrents {
 }
 
 /// A hold in each direction whose voltage is limited to that of half its current: an open loop.
-pub(super) fn polarity(index: usize, half_a: f64, resistance_ohm: f64, hold_s: f64, period_s: f64) -> HeldCurrents {
+pub(super) fn polarity(
+    index: usize,
+    half_a: f64,
+    resistance_ohm: f64,
+    hold_s: f64,
+    period_s: f64,
+) -> HeldCurrents {
     let held = [1.0, 0.0, -1.0, 0.0].map(|sign| (sign * 2.0 * half_a, hold_s));
     let held = HeldCurrents::new(format!("electrical-polarity-{index}"), 0.0, held, period_s);
     HeldCurrents { largest_v: Some(half_a * resistance_ohm), ..held }
 }
 
 /// Groups of holds of up to `largest_a`, the shortest of which are 0.7 of `hold_s`, `rounds` times.
-pub(super) fn groups(name: String, largest_a: f64, hold_s: f64, rounds: usize, period_s: f64) -> HeldCurrents {
+pub(super) fn groups(
+    name: String,
+    largest_a: f64,
+    hold_s: f64,
+    rounds: usize,
+    period_s: f64,
+) -> HeldCurrents {
     let mut held = Vec::new();
     for (height, length) in std::iter::repeat_n(PAIRS, rounds).flatten() {
         for sign in [1.0, -1.0] {

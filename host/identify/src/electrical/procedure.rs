@@ -183,7 +183,9 @@ pub enum ElectricalError<E> {
         limit: f64,
     },
     /// The motor doesn't come to rest.
-    #[error("{motion}: the drive train moves without torque, {ATTEMPTS} times in a row; wait until it is at rest")]
+    #[error(
+        "{motion}: the drive train moves without torque, {ATTEMPTS} times in a row; wait until it is at rest"
+    )]
     NotAtRest {
         /// The motion.
         motion: String,
@@ -211,7 +213,8 @@ pub fn commission_motor<T: ElectricalTrain>(
     };
     let period_s = f64::from(period_us) / 1e6;
     let count_rad = 1.0 / instruments.motor_counts_per_rad();
-    let mut bench = Bench { train, instruments, limits, period_s, stated: *stated, origin: None, load_moved_rad: 0.0 };
+    let mut bench =
+        Bench { train, instruments, limits, period_s, stated: *stated, origin: None, load_moved_rad: 0.0 };
     bench.polarity()?;
     let hold_s = HOLD_S.max(HOLD_TIME_CONSTANTS * stated.inductance_h / stated.resistance_ohm);
     let (mut motions, mut shown) = (Vec::new(), Motor::default());

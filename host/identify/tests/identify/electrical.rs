@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use lashloop_identify::Instruments;
 use lashloop_identify::electrical::{
-    Checked, ElectricalError, ElectricalTrain, HeldCurrents, MadeSteps, Motor, Stated, Steps, commission_motor,
+    Checked, ElectricalError, ElectricalTrain, HeldCurrents, MadeSteps, Motor, Stated, Steps,
+    commission_motor,
 };
 use lashloop_identify::excitation::{Guard, Halt, Limits};
 use lashloop_plant::electrical::{Bridge, Circuit, CurrentSensor, ElectricalParameters};
@@ -81,7 +82,8 @@ impl ElectricalTrain for Bench {
                 break;
             }
             for _ in 0..PULSES {
-                let shown_a = self.sense * (self.sensor.read(&it, self.circuit.current_a()) * range_a - offset_a);
+                let shown_a =
+                    self.sense * (self.sensor.read(&it, self.circuit.current_a()) * range_a - offset_a);
                 let bus_v = self.circuit.bus_v();
                 let limit_v = motion.largest_v.unwrap_or(0.95 * bus_v).min(0.95 * bus_v);
                 sums[0] += shown_a;
@@ -202,7 +204,10 @@ fn a_wrong_scale_of_the_voltage_shows_in_the_torque_constant() {
     let it = parameters();
     let mut bench = Bench::new(it, stated(&it, [1.0, 1.0, 0.6]));
     let found = bench.commission();
-    assert!(matches!(found, Err(ElectricalError::Wrong { checked: Checked::TorqueConstant, .. })), "{found:?}");
+    assert!(
+        matches!(found, Err(ElectricalError::Wrong { checked: Checked::TorqueConstant, .. })),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -225,7 +230,8 @@ fn an_offset_that_comes_with_the_bridge_is_estimated() {
     }
     let instruments = Instruments::exact(COUNTS_PER_REV, COUNTS_PER_REV, 0);
     let stated = bench.stated;
-    let motor = commission_motor(&mut Shifted(bench), &instruments, &LIMITS, PERIOD_US, &stated).expect("a motor");
+    let motor =
+        commission_motor(&mut Shifted(bench), &instruments, &LIMITS, PERIOD_US, &stated).expect("a motor");
     let offset = motor.current_offset_a.expect("an offset");
     assert!((offset.value - 2.5).abs() < 0.5 && offset.high - offset.low < 1.0, "{offset:?}");
 }

@@ -208,3 +208,45 @@ fn a_plant_that_is_not_the_drive_s_is_refused_unless_meant() {
     // This law has no such parameter.
     assert!(settings::<OwnLaws>(&scenario("talkative", "", &[wider])).is_ok());
 }
+
+const SCOPE_OF_TWIST: &str = "[scope]\nsignals = [\"measured_twist_rad\", \"requested_torque_nm\"]\n";
+
+#[test]
+fn a_capture_has_the_signals_and_the_event_of_the_scenario() {
+    let more = format!("{SCOPE_OF_TWIST}trigger = \"falling\"\nlevel = -0.5\nbefore_rows = 7\n");
+    let (scenario, session) = (scenario("pd", &more, &[]), session::<Laws>());
+    let capture =
+        DriveSettings::new(&scenario, &session, None).expect("settings").capture.expect("a capture");
+    let names: Vec<_> = capture.signals().iter().map(|it| &*it.signal.name).collect();
+    assert_eq!(names, ["requested_torque_nm", "measured_twist_rad"]);
+    assert_eq!((capture.every, capture.before, capture.level), (1, 7, -0.5));
+    assert_eq!((capture.trigger, capture.trigger_signal), (CaptureTrigger::Falling, 3), "the first named");
+}
+
+#[test]
+fn every_error_of_a_capture_is_reported_at_its_place() {
+    let more = "[scope]\nsignals = [\"requested_torque_nm\", \"twist\", \"load_error_rad\", \"motor_error_rad\", \
+                \"measured_twist_rad\", \"elastic_error_nm\"]\ntrigger_signal = \"twist\"\n";
+    let refused = settings::<Laws>(&scenario("pd", more, &[])).expect_err("a bad capture");
+    for line in [
+        "x.toml:12: scope.signals: \"twist\" is refused: the drive has no signal of this name",
+        "x.toml:12: scope.signals: \"elastic_error_nm\" is refused: it is one too many; a capture has 4 signals at most",
+        "x.toml:13: scope.trigger_signal: \"twist\" is refused: the capture has no signal of this name",
+    ] {
+        assert!(refused.contains(line), "{refused}");
+    }
+}
+
+#[test]
+fn a_drive_without_a_scope_refuses_the_section() {
+    let mut session = session::<Laws>();
+    session.identity.capabilities.remove(lashloop_protocol::enums::Capabilities::CAPTURE);
+    let of_twist = scenario("pd", SCOPE_OF_TWIST, &[]);
+    let refused = DriveSettings::new(&of_twist, &session, None).map(drop).expect_err("no scope").to_string();
+    assert_eq!(
+        refused,
+        "x.toml:12: scope.signals: \"measured_twist_rad\" is refused: the drive captures no signals: its Identity lacks the \
+         capability CAPTURE; take a firmware that has it"
+    );
+    assert!(DriveSettings::new(&scenario("pd", "", &[]), &session, None).is_ok());
+}
