@@ -257,7 +257,7 @@ impl<T: ElectricalTrain> Bench<'_, T> {
     fn hold(&mut self, motion: &HeldCurrents) -> Result<MadeSteps, ElectricalError<T::Error>> {
         let guard = Guard::new(self.limits, self.instruments, self.period_s, self.origin, None);
         // A reversed sensor moves the motor from the first step on.
-        let guard = if motion.largest_v.is_some() { guard.from_the_first_step() } else { guard };
+        let guard = if motion.largest_v.is_some() { guard.without_rest() } else { guard };
         let name = || motion.name.clone();
         for _ in 0..ATTEMPTS {
             let Some(made) = self.train.hold(motion, guard.clone()).map_err(ElectricalError::Motion)? else {

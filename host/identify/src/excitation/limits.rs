@@ -152,7 +152,7 @@ impl Guard {
 
     /// The same guard of a motion that begins without the time at rest.
     #[must_use]
-    pub(crate) fn from_the_first_step(self) -> Self {
+    pub(crate) fn without_rest(self) -> Self {
         Self { rest: None, ..self }
     }
 
