@@ -164,10 +164,10 @@ mod tests {
     #[test]
     fn all_rows_of_a_capture_are_read_with_their_event() {
         let mut session = session();
-        let capture = request(&session, &["measured_twist_rad", "requested_torque_nm"]);
+        let mut capture = request(&session, &["measured_twist_rad", "requested_torque_nm"]);
         let names: Vec<_> = capture.signals().iter().map(|it| &*it.signal.name).collect();
         assert_eq!(names, ["requested_torque_nm", "measured_twist_rad"], "in the order of the values");
-        let capture = CaptureRequest { before: 5, ..capture };
+        capture.before = 5;
         session.capture(capture).expect("a capture");
         steps(&mut session, 20);
         let captured = session.read_capture().expect("rows");
@@ -182,8 +182,8 @@ mod tests {
     #[test]
     fn a_capture_without_its_event_is_an_error_that_says_so() {
         let mut session = session();
-        let capture = request(&session, &["measured_twist_rad"]);
-        let capture = CaptureRequest { trigger: CaptureTrigger::Rising, level: 1.0, ..capture };
+        let mut capture = request(&session, &["measured_twist_rad"]);
+        (capture.trigger, capture.level) = (CaptureTrigger::Rising, 1.0);
         session.capture(capture).expect("a capture");
         steps(&mut session, 20);
         let error = session.read_capture().expect_err("no event").to_string();
@@ -193,7 +193,8 @@ mod tests {
     #[test]
     fn a_refused_capture_is_an_error_with_the_outcome() {
         let mut session = session();
-        let capture = CaptureRequest { before: 2000, ..request(&session, &["measured_twist_rad"]) };
+        let mut capture = request(&session, &["measured_twist_rad"]);
+        capture.before = 2000;
         let error = session.capture(capture).expect_err("too many rows");
         assert!(matches!(error, CaptureError::Rejected { outcome: Outcome::OutOfRange, .. }), "{error}");
     }
