@@ -242,7 +242,7 @@ impl Arguments {
             .map_err(failed_motor)?;
         outln!("{}\n", motor_table(&motor).trim_end());
         if let Some(folder) = &self.out {
-            let heading = "# Estimates of `lashloop`, for [controller.parameters] of a scenario.\n";
+            let heading = "# Estimates of `lashloop`, for [bench] of a scenario.\n";
             write_file(&folder.join(MOTOR_FILE), &(heading.to_owned() + &motor_toml(&motor)))?;
             outln!("{}", folder.join(MOTOR_FILE).display());
         }
