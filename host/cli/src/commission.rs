@@ -12,7 +12,6 @@ use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::Instruments;
-use lashloop_identify::electrical::{ElectricalError, Motor, Stated, commission_motor};
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
@@ -20,6 +19,7 @@ use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
+use super::commission_motor;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, plants};
@@ -30,9 +30,9 @@ use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::limits::Excess;
 use lashloop::rig::{Rig, TakenRig};
 use lashloop_hardware::commission::{
-    MotionError, MotorOnDevice, OnDevice, RecordError, RunRecord, pin_number, set_pin, settings, stated,
+    MotionError, OnDevice, RecordError, RunRecord, set_pin, settings, stated,
 };
-use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, MOTOR_FILE, motor_table, motor_toml, table};
+use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 
 /// The scenario of a command line without one.
@@ -202,13 +202,14 @@ impl Arguments {
         let signals = supervisor.guard_signals();
         let mut motor_lines = String::new();
         if let Some(stated) = stated {
-            let motor = self.motor(&mut drive_train, &known, &limits, stated)?;
+            let motor =
+                commission_motor::find(&mut drive_train, &known, &limits, stated, self.out.as_deref())?;
             limits.load_travel_rad -= motor.load_moved_rad;
             motor_lines = motor_toml(&motor);
             if self.only_electrical {
                 return Ok(Exit::Pass);
             }
-            check_torque(&motor, &template, &limits)?;
+            commission_motor::check_torque(&motor, &template, &limits)?;
             let quantities = motor.quantities().into_iter();
             let values = quantities.filter_map(|it| Some((it.drive_parameter?, it.estimate?.value)));
             *found.borrow_mut() = values.collect();
@@ -227,26 +228,6 @@ impl Arguments {
             write_estimates(folder, &identified, template.run.mode, &motor_lines, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
-    }
-
-    /// Finds the electrical side of the motor and prints it; with a folder it writes it there.
-    fn motor(
-        &self,
-        drive_train: &mut OnDevice<'_>,
-        known: &Instruments,
-        limits: &Limits,
-        stated: Stated,
-    ) -> Result<Motor, CliError> {
-        let mut train = MotorOnDevice { train: drive_train, stated };
-        let motor = commission_motor(&mut train, known, limits, MotorOnDevice::PERIOD_US, &stated)
-            .map_err(failed_motor)?;
-        outln!("{}\n", motor_table(&motor).trim_end());
-        if let Some(folder) = &self.out {
-            let heading = "# Estimates of `lashloop`, for [bench] of a scenario.\n";
-            write_file(&folder.join(MOTOR_FILE), &(heading.to_owned() + &motor_toml(&motor)))?;
-            outln!("{}", folder.join(MOTOR_FILE).display());
-        }
-        Ok(motor)
     }
 
     /// The limits of the options; those of the rig where an option is absent.
@@ -378,30 +359,6 @@ fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> R
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = Summary::new(run.scenario, run.device, run.outcome);
     writer.finish(&summary).map_err(|error| RecordError(Box::new(error)))
-}
-
-/// The drive accepts no torque that its current limit doesn't make.
-fn check_torque(motor: &Motor, template: &Scenario, limits: &Limits) -> Result<(), CliError> {
-    let current_a = pin_number(template, "current_limit_a");
-    let constant_nm_a = motor.torque_constant_nm_a.map_or(f64::INFINITY, |it| it.value);
-    let largest_nm = current_a * constant_nm_a;
-    if limits.torque_nm <= largest_nm {
-        return Ok(());
-    }
-    let problem = format!(
-        "{} exceeds the {largest_nm:.3} N m of current_limit_a = {current_a} A at {constant_nm_a:.4} N m/A: lower it, or raise \
-         current_limit_a",
-        limits.torque_nm
-    );
-    Err(CliError::CommissionLimit { option: "--torque-limit", problem })
-}
-
-fn failed_motor(error: ElectricalError<MotionError>) -> CliError {
-    match error {
-        ElectricalError::Motion(MotionError::Run(error)) => error.into(),
-        ElectricalError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
-        other => CliError::Electrical(Box::new(other)),
-    }
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {

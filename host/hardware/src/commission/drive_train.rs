@@ -13,8 +13,8 @@ use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
-use super::electrical::trip;
 use super::scenario;
+use super::trip::trip;
 use crate::identify::record::{NoSeries, counts, directions_in_force, series};
 use lashloop::execution::{ExecutionError, OpenDrive};
 

@@ -3,15 +3,14 @@
 use lashloop_bench::run::End;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::controller::ParameterValue;
-use lashloop_firmware::power_stage::PowerStageFault;
-use lashloop_identify::electrical::{ElectricalTrain, HeldCurrents, MadeSteps, StageTrip, Stated, Steps};
+use lashloop_identify::electrical::{ElectricalTrain, HeldCurrents, MadeSteps, Stated, Steps};
 use lashloop_identify::excitation::{Guard, Limits};
-use lashloop_protocol::enums::FaultCode;
 use lashloop_record::columns::Columns;
 use lashloop_session::names::UnknownName;
 
 use super::drive_train::{MotionError, OnDevice};
 use super::scenario::{given, motion, pin_number, set_pin};
+use super::trip::trip;
 use crate::identify::record::{NoSeries, counts};
 
 /// Control period of the electrical motions, in us.
@@ -98,18 +97,6 @@ impl ElectricalTrain for MotorOnDevice<'_, '_> {
         let load_counts =
             [load_rad.first(), load_rad.last()].map(|it| it.map_or(0, |it| counts(*it, counts_per_rev)));
         Ok(Some(MadeSteps { steps, load_counts, halt: ran.halt, trip }))
-    }
-}
-
-/// What a fault of the power stage says of the sensor.
-pub(super) fn trip(end: &End) -> Option<StageTrip> {
-    let End::DriveFault(fault) = end else { return None };
-    let detail = fault.message.detail;
-    let is = |it: PowerStageFault| fault.message.code == FaultCode::PowerStage && detail == it as u32;
-    if is(PowerStageFault::CurrentSensor) {
-        Some(StageTrip::Sensor)
-    } else {
-        is(PowerStageFault::Overcurrent).then_some(StageTrip::Overcurrent)
     }
 }
 

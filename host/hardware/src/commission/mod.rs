@@ -7,6 +7,7 @@
 mod drive_train;
 mod electrical;
 mod scenario;
+mod trip;
 
 pub use drive_train::{MotionError, OnDevice, RecordError, RunRecord};
 pub use electrical::{MotorOnDevice, stated};

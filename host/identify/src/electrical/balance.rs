@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::procedure::Stated;
+use super::stated::Stated;
 use crate::identified::{Estimate, Quantity};
 
 /// Standard deviations on each side of an interval of 95 %: the quantisation of the encoder isn't normally distributed.
@@ -163,7 +163,7 @@ impl Steps {
                 continue;
             }
             let sum = |of: &[f64]| self.period_s * of[from + 1..=end].iter().sum::<f64>();
-            // With a reversed sensor the voltage may go either way.
+            // With a reversed sensor the voltage may have either sign.
             let sign = sum(&self.voltage_v).signum();
             // Neither the direction of the encoder nor that of the sensor is known yet.
             let turned_vs = back_emf_vs * (self.motor_rad[end] - self.motor_rad[from]).abs();

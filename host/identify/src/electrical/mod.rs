@@ -13,9 +13,9 @@
 mod balance;
 mod motions;
 mod procedure;
+mod stated;
 
 pub use balance::{Motor, Steps};
 pub use motions::HeldCurrents;
-pub use procedure::{
-    Checked, ElectricalError, ElectricalTrain, MadeSteps, StageTrip, Stated, commission_motor,
-};
+pub use procedure::{Checked, ElectricalError, ElectricalTrain, MadeSteps, StageTrip, commission_motor};
+pub use stated::Stated;

@@ -2,6 +2,7 @@
 
 use super::balance::{Motor, Steps, half_width, motor};
 use super::motions::{self, HeldCurrents};
+use super::stated::Stated;
 use crate::excitation::{Guard, Halt, Limits};
 use crate::identified::Estimate;
 use crate::series::Instruments;
@@ -63,21 +64,6 @@ pub enum StageTrip {
     Sensor,
     /// The current is too large.
     Overcurrent,
-}
-
-/// What is stated of the motor: by its data sheet, to be within a third of the truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stated {
-    /// Resistance in Ohm.
-    pub resistance_ohm: f64,
-    /// Inductance in H.
-    pub inductance_h: f64,
-    /// Torque constant in N m/A.
-    pub torque_constant_nm_a: f64,
-    /// Largest current in A.
-    pub largest_a: f64,
-    /// Period of the modulation in s.
-    pub pulse_s: f64,
 }
 
 /// A stated value that is checked.
