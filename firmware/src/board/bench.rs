@@ -103,8 +103,8 @@ impl Tick {
         let since_due = Duration::from_micros(self.timer.count_us().into());
         let due = self.clock.now().saturating_sub(since_due);
         let needs_sensor = drive.measures_current();
-        let torque_nm = bridge_exchange::take_torque_nm();
-        stage.stage_mut().expect_sensor(needs_sensor, torque_nm.is_some(), self.period);
+        let measured = bridge_exchange::take_measured();
+        stage.stage_mut().expect_sensor(needs_sensor, measured.is_some(), self.period);
         // Until the first offset it measures in any case.
         <Fitted as Chip>::Sensor::listen(
             needs_sensor || bridge_exchange::OFFSET_IS_PLAUSIBLE.get().is_none(),
@@ -114,7 +114,8 @@ impl Tick {
             load: self.load.read(),
             contacts: self.contacts.closed(),
             stage_fault: stage.fault(),
-            torque_nm,
+            torque_nm: measured.map(|[torque_nm, _]| torque_nm),
+            bridge_voltage_v: measured.map_or(0.0, |[_, voltage_v]| voltage_v),
         };
         drive.sample(&readings, due, &self.clock);
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept

@@ -49,8 +49,9 @@ impl<T: Copy> Shared<T> {
 
 pub(super) static RUN: Shared<Option<BridgeRun>> = Shared::new(None);
 pub(super) static COMMAND: Shared<BridgeCommand> = Shared::new(NO_TORQUE);
-/// Sum and number of the measured torques since the tick took them.
-pub(super) static MEASURED: Shared<(f32, u32)> = Shared::new((0.0, 0));
+/// Sums of measured torque and voltage of the bridge in N m and V, and their number, since the tick took them.
+pub(super) static MEASURED: Shared<([f32; 2], u32)> = Shared::new(NOT_MEASURED);
+const NOT_MEASURED: ([f32; 2], u32) = ([0.0; 2], 0);
 pub(super) static FAULT: Shared<Option<PowerStageFault>> = Shared::new(None);
 /// Whether the sensor's offset is plausible; `None` until it is known.
 pub(super) static OFFSET_IS_PLAUSIBLE: Shared<Option<bool>> = Shared::new(None);
@@ -61,15 +62,15 @@ pub(super) static HAS_BUS: Shared<bool> = Shared::new(true);
 /// Begins a run at no torque. The bridge is still off.
 pub(super) fn begin(modulation: Modulation, period_counts: u16) {
     COMMAND.set(NO_TORQUE);
-    MEASURED.set((0.0, 0));
+    MEASURED.set(NOT_MEASURED);
     FAULT.set(None);
     RUN.set(Some(BridgeRun { modulation, period_counts }));
 }
 
-/// The mean torque in N m since the last call; `None` without a measurement.
-pub(super) fn take_torque_nm() -> Option<f32> {
-    let (sum_nm, count) = MEASURED.replace((0.0, 0));
-    (count > 0).then(|| sum_nm / count as f32)
+/// The mean torque in N m and voltage in V since the last call; `None` without a measurement.
+pub(super) fn take_measured() -> Option<[f32; 2]> {
+    let (sums, count) = MEASURED.replace(NOT_MEASURED);
+    (count > 0).then(|| sums.map(|sum| sum / count as f32))
 }
 
 /// A fault that switched the bridge off since the last call.

@@ -27,6 +27,8 @@ pub struct BridgeLoop {
     offset: SensorOffset,
     /// `None` while the bridge is off.
     control: Option<(TorqueControl, SensorCheck)>,
+    /// Voltage of the bridge in this period, in V.
+    voltage_v: f32,
     /// Periods until a bridge that is off has no current.
     decay: u32,
     /// Code of the bus above which the brake resistor is on, by the last run.
@@ -42,6 +44,7 @@ impl BridgeLoop {
             sensor,
             offset: SensorOffset::default(),
             control: None,
+            voltage_v: 0.0,
             decay: 0,
             brake_on: u16::MAX,
             is_braking: false,
@@ -76,9 +79,11 @@ impl BridgeLoop {
             modulation.bridge_channels(duty).map(|high| (high * f32::from(period_counts) + 0.5) as u16);
         <Fitted as Chip>::Pwm::set_high_from_any_code(first, second);
         let measured_nm = modulation.motor.torque_constant_nm_a * current_a;
-        // No task of a higher priority takes the sum meanwhile.
-        let (sum_nm, count) = MEASURED.get();
-        MEASURED.set((sum_nm + measured_nm, count + 1));
+        // The new duty takes effect half a period later: the middle of this period has the voltage of the last one.
+        let voltage_v = core::mem::replace(&mut self.voltage_v, duty * bus_v);
+        // No task of a higher priority takes the sums meanwhile.
+        let ([sum_nm, sum_v], count) = MEASURED.get();
+        MEASURED.set(([sum_nm + measured_nm, sum_v + voltage_v], count + 1));
     }
 
     /// Switches the brake resistor, also with the bridge off: a motor that is turned still feeds the bus.
@@ -92,6 +97,7 @@ impl BridgeLoop {
     /// A period with the bridge off.
     fn rest(&mut self, current: u16, bus: u16) {
         HAS_BUS.set(bus >= LEAST_BUS);
+        self.voltage_v = 0.0;
         if self.control.take().is_some() {
             self.decay = DECAY;
         }

@@ -16,11 +16,21 @@ use crate::law::{DriveParameters, DriveSignals, LawSet, ParameterError, ROUNDING
 /// reserved: an encoder may show one count more than it has turned.
 const LARGEST_MOVE_COUNTS: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
+/// What was applied to the motor since the last step.
+#[derive(Clone, Copy)]
+pub(super) struct Applied {
+    /// Torque in N m.
+    pub(super) torque_nm: f32,
+    /// Mean voltage of the bridge in V; 0 if nothing measures it.
+    pub(super) voltage_v: f32,
+}
+
 pub(super) struct ControlLoop<L: LawSet> {
     sensing: Sensing<f32>,
     law: L,
     /// Torque of the law at the last step in N m, before the limit.
     requested_torque_nm: f32,
+    applied: Applied,
     /// Signals of the law at the last step; `None` before the first one.
     signals: Option<L::Signals>,
     /// Counters of motor and load: the readings without wraparound. `None` before the first sample.
@@ -69,6 +79,7 @@ impl<L: LawSet> ControlLoop<L> {
             sensing,
             law,
             requested_torque_nm: 0.0,
+            applied: Applied { torque_nm: 0.0, voltage_v: 0.0 },
             signals: None,
             previous_counts: None,
             longest_gap,
@@ -103,8 +114,8 @@ impl<L: LawSet> ControlLoop<L> {
         )
     }
 
-    /// One control step: the torque in N m, before the limit. `applied_torque_nm` is the torque held since the last one.
-    pub(super) fn step(&mut self, sample: &EncoderSample, periods: u32, applied_torque_nm: f32) -> f32 {
+    /// One control step: the torque in N m, before the limit.
+    pub(super) fn step(&mut self, sample: &EncoderSample, periods: u32, applied: Applied) -> f32 {
         let (motor_counts, load_counts) = match self.previous_counts {
             None => (sample.motor_counts.get(), sample.load_counts.get()),
             Some((motor, load)) => (
@@ -117,9 +128,10 @@ impl<L: LawSet> ControlLoop<L> {
             motor_counts,
             load_counts,
             reference_rad: sample.reference_rad,
-            applied_torque_nm,
+            applied_torque_nm: applied.torque_nm,
             elapsed_periods: periods,
         });
+        self.applied = applied;
         self.requested_torque_nm = self.law.step(&measurement, &mut self.signals);
         self.requested_torque_nm
     }
@@ -147,6 +159,8 @@ impl<L: LawSet> ControlLoop<L> {
             measured_motor_velocity_rad_s: motion.motor_velocity_rad_s,
             measured_load_velocity_rad_s: motion.load_velocity_rad_s,
             measured_twist_rad: motion.twist_rad,
+            measured_torque_nm: self.applied.torque_nm,
+            bridge_voltage_v: self.applied.voltage_v,
         };
         let mut values = [0.0; MAX_SIGNALS];
         of_drive.write(&mut values);

@@ -101,6 +101,8 @@ pub struct PinReadings {
     pub contacts: Contacts,
     /// Mean torque since the last readings in N m, by the measured current; `None` if nothing measures it.
     pub torque_nm: Option<f32>,
+    /// Mean voltage of the bridge in V, over the time of that torque; 0 if nothing measures it.
+    pub bridge_voltage_v: f32,
 }
 
 /// Why the readings of the encoders allow no torque: the detail of the refusal.

@@ -8,7 +8,7 @@ use lashloop_protocol::message::{BenchSample, EncoderSample, Reference, TorqueAn
 
 use super::bench_sample::bench_sample;
 use super::clock::Clock;
-use super::control_loop::ControlLoop;
+use super::control_loop::{Applied, ControlLoop};
 use super::pin_run::PinRun;
 use super::pins::PinReadings;
 use super::safety::{Limits, Violation};
@@ -139,7 +139,8 @@ impl<L: LawSet> Run<L> {
         // The law gets the torque that was.
         let held_nm = readings.torque_nm.unwrap_or(self.torque_nm);
         let commanded_nm = self.torque_nm;
-        let torque = self.step(&sample, 1, held_nm);
+        let applied = Applied { torque_nm: held_nm, voltage_v: readings.bridge_voltage_v };
+        let torque = self.step(&sample, 1, applied);
         let Source::Pins(pins) = &mut self.source else { return None };
         let now = clock.now();
         let torque = torque.and_then(|(clamped_nm, requested_nm)| {
@@ -177,7 +178,8 @@ impl<L: LawSet> Run<L> {
         self.watchdog.restart(arrived);
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
-        match self.step(sample, periods, self.torque_nm) {
+        let applied = Applied { torque_nm: self.torque_nm, voltage_v: 0.0 };
+        match self.step(sample, periods, applied) {
             Ok((torque_nm, requested_nm)) => {
                 flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
                 let elapsed = clock.now().saturating_sub(arrived);
@@ -202,17 +204,17 @@ impl<L: LawSet> Run<L> {
         }
     }
 
-    /// The torques in N m, after the limit and before it. `applied_torque_nm` is that since the last step.
+    /// The torques in N m, after the limit and before it.
     fn step(
         &mut self,
         sample: &EncoderSample,
         periods: u32,
-        applied_torque_nm: f32,
+        applied: Applied,
     ) -> Result<(f32, f32), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
-        let requested_nm = self.control.step(sample, periods, applied_torque_nm);
+        let requested_nm = self.control.step(sample, periods, applied);
         self.torque_nm = self.limits.clamp_torque(requested_nm)?;
         Ok((self.torque_nm, requested_nm))
     }

@@ -11,5 +11,9 @@ crate::signals! {
         measured_load_velocity_rad_s: "rad/s",
         /// Twist from the counts of both encoders.
         measured_twist_rad: "rad",
+        /// Torque since the last step: by the measured current, else the held one.
+        measured_torque_nm: "N m",
+        /// Mean voltage of the bridge since the last step; 0 where no measured current makes the torque.
+        bridge_voltage_v: "V",
     }
 }

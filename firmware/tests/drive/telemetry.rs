@@ -65,6 +65,8 @@ fn the_drive_describes_its_signals() {
         "111111 measured_motor_velocity_rad_s in rad/s",
         "111111 measured_load_velocity_rad_s in rad/s",
         "111111 measured_twist_rad in rad",
+        "111111 measured_torque_nm in N m",
+        "111111 bridge_voltage_v in V",
         "011111 dead_zone_estimate_rad in rad",
         "011111 disturbing_torque_estimate_nm in N m",
         "011111 load_error_rad in rad",
@@ -110,8 +112,10 @@ fn values_are_in_the_order_of_the_indices() {
     // theta_e - theta_e_d, with theta_e_d = -10 e_s.
     let motor_error_rad = 13.0 * quarter_turn + twist_rad;
     let requested_nm = -twist_rad - 0.01 * velocity_rad_s - motor_error_rad;
-    let want =
-        [requested_nm, velocity_rad_s, 0.0, twist_rad, 0.16, 0.0, quarter_turn, motor_error_rad, twist_rad];
+    // Between the steps the limit was the torque, and no bridge made it.
+    let of_drive = [requested_nm, velocity_rad_s, 0.0, twist_rad, -1.0, 0.0];
+    let of_law = [0.16, 0.0, quarter_turn, motor_error_rad, twist_rad];
+    let want = [&of_drive[..], &of_law].concat();
     assert_eq!(values.as_slice().len(), want.len());
     for ((value, want), signal) in values.as_slice().iter().zip(want).zip(Laws::SIGNALS) {
         assert!((value - want).abs() < 1e-3, "{}: have {value}, want {want}", signal.name);
@@ -265,8 +269,8 @@ use other_laws::OtherLaws;
 #[test]
 fn thirteen_signals_fit_a_frame_and_fourteen_are_rejected() {
     let mut host = Host::<OtherLaws>::running_with(&[]);
-    // Those of the law, without the four of the drive.
-    let of_law = 0b1_1111_1111_1111 << 4;
+    // Those of the law, without the six of the drive.
+    let of_law = 0b1_1111_1111_1111 << 6;
     assert_eq!(host.command(Subscribe { signals: of_law, every: 1 }), (Outcome::Accepted, State::Running));
     let values = telemetry(&host.sample(0, 0, 0)).expect("telemetry").values;
     assert_eq!(values.as_slice().len(), MAX_TELEMETRY_VALUES);

@@ -1,5 +1,6 @@
 //! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
 
+use std::cell::RefCell;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,7 @@ use lashloop_record::summary::Summary;
 use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
+use super::commission_motor;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, plants};
@@ -27,8 +29,10 @@ use lashloop::Bench;
 use lashloop::execution::{OpenDrive, Place};
 use lashloop::rig::limits::Excess;
 use lashloop::rig::{Rig, TakenRig};
-use lashloop_hardware::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
-use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, table};
+use lashloop_hardware::commission::{
+    MotionError, OnDevice, RecordError, RunRecord, set_pin, settings, stated,
+};
+use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 
 /// The scenario of a command line without one.
@@ -75,6 +79,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "RAD", value_parser = positive, allow_negative_numbers = true)]
     travel_limit: Option<f64>,
 
+    /// End after the electrical side of a motor at a bridge
+    #[arg(long)]
+    only_electrical: bool,
+
     /// Confirm the limits without a question
     #[arg(long)]
     yes: bool,
@@ -115,10 +123,28 @@ fn positive(text: &str) -> Result<f64, String> {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "commission")?;
-        let limits = self.limits(rig.as_ref())?;
-        let scenario =
-            |more: &[String]| self.scenario(rig.as_ref().map(|taken| &taken.rig), &limits, more, bench);
+        let mut limits = self.limits(rig.as_ref())?;
+        // What the motor has been found to be, for the motions after.
+        let found = RefCell::new(Vec::<(&'static str, f64)>::new());
+        let confirmed_limits = limits;
+        let scenario = |more: &[String]| {
+            let of_rig = rig.as_ref().map(|taken| &taken.rig);
+            let mut scenario = self.scenario(of_rig, &confirmed_limits, more, bench)?;
+            for (name, value) in &*found.borrow() {
+                set_pin(&mut scenario, name, *value);
+            }
+            Ok(scenario)
+        };
         let template = scenario(&[])?;
+        let stated = stated(&template, &limits);
+        if self.only_electrical && stated.is_none() {
+            return Err(CliError::CommissionLimit {
+                option: "--only-electrical",
+                problem: "needs bench mode and a drive that makes the torque by a current sensor: set its parameter torque_source \
+                          to \"current\""
+                    .to_owned(),
+            });
+        }
         let place = Place::of(rig.as_ref(), &self.device);
         place.check(&template)?;
         let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
@@ -174,6 +200,20 @@ impl Arguments {
         };
         let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
+        let mut motor_lines = String::new();
+        if let Some(stated) = stated {
+            let motor =
+                commission_motor::find(&mut drive_train, &known, &limits, stated, self.out.as_deref())?;
+            limits.load_travel_rad -= motor.load_moved_rad;
+            motor_lines = motor_toml(&motor);
+            if self.only_electrical {
+                return Ok(Exit::Pass);
+            }
+            commission_motor::check_torque(&motor, &template, &limits)?;
+            let quantities = motor.quantities().into_iter();
+            let values = quantities.filter_map(|it| Some((it.drive_parameter?, it.estimate?.value)));
+            *found.borrow_mut() = values.collect();
+        }
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
         drop(signals);
@@ -185,7 +225,7 @@ impl Arguments {
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
             let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
-            write_estimates(folder, &identified, template.run.mode, offers)?;
+            write_estimates(folder, &identified, template.run.mode, &motor_lines, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }

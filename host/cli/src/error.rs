@@ -24,6 +24,7 @@ use lashloop_hardware::flash::FlashError;
 use lashloop_hardware::identify::record::NoSeries;
 use lashloop_hardware::parameter_set::SettingsError;
 use lashloop_identify::IdentifyError;
+use lashloop_identify::electrical::ElectricalError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_live::LiveError;
 use lashloop_record::diff::DiffError;
@@ -110,6 +111,8 @@ pub(crate) enum CliError {
     #[error(transparent)]
     Commission(Box<CommissioningError<MotionError>>),
     #[error(transparent)]
+    Electrical(Box<ElectricalError<MotionError>>),
+    #[error(transparent)]
     Identify(#[from] IdentifyError),
     #[error("{}: {source}", folder.display())]
     Motion { folder: PathBuf, source: NoSeries },
@@ -139,7 +142,7 @@ impl CliError {
             | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::Rig(error) => error.exit(),
-            Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
+            Self::Commission(_) | Self::Electrical(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
             | Self::NoStore

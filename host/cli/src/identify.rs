@@ -106,7 +106,7 @@ impl Arguments {
         }
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
-            write_estimates(folder, &identified, mode, |_| true)?;
+            write_estimates(folder, &identified, mode, "", |_| true)?;
         }
         Ok(Exit::Pass)
     }
@@ -156,15 +156,16 @@ fn scenario(folder: &Path, bench: &Bench) -> Result<Scenario, String> {
     Scenario::from_file_with(&resolved, &[], &plants(bench)).map_err(|error| error.to_string())
 }
 
-/// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.
+/// Writes `plant.toml`, `drive.toml` with the lines of a motor, and `estimates.json`. `offers` is whether the drive has a parameter.
 pub(super) fn write_estimates(
     folder: &Path,
     identified: &Identified,
     mode: RunMode,
+    motor: &str,
     offers: impl Fn(&str) -> bool,
 ) -> Result<(), CliError> {
     write_file(&folder.join(PLANT_FILE), &plant_toml(identified))?;
-    write_file(&folder.join(DRIVE_FILE), &drive_toml(identified, mode, offers))?;
+    write_file(&folder.join(DRIVE_FILE), &(drive_toml(identified, mode, offers) + motor))?;
     write_json(&folder.join(ESTIMATES_FILE), ".estimates-", identified)?;
     for name in [PLANT_FILE, DRIVE_FILE, ESTIMATES_FILE] {
         outln!("{}", folder.join(name).display());

@@ -22,6 +22,7 @@ mod campaign_submit;
 mod clock_options;
 mod colour;
 mod commission;
+mod commission_motor;
 mod completions;
 mod conformance;
 mod decode;

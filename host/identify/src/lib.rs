@@ -17,6 +17,7 @@
 //! | `problem`, `noise`, `normal`, `fit` | nonlinear least squares: cost, worth of a residual, normal equations, steps |
 //! | `identified` | quantities with intervals |
 //! | `identify` | all of it in order |
+//! | [`electrical`] | the motor on a bridge: its motions, and R, L, k_e and the sensor from them |
 //! | [`excitation`] | motions, limits, guard, and the order of a commissioning |
 //!
 //! # What counts can't show
@@ -29,6 +30,7 @@
 
 mod balance;
 mod contact;
+pub mod electrical;
 pub mod excitation;
 mod fit;
 mod identified;

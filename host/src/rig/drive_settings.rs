@@ -32,6 +32,9 @@ pub struct PinSetting {
     pub value: ParameterValue,
 }
 
+/// Origin of what `lashloop commission` sets by itself. A rig doesn't replace it.
+pub const COMMISSION: &str = "lashloop commission";
+
 /// Parameters that describe the pins.
 const OF_PINS: [&str; 10] = [
     "torque_per_duty_nm",
@@ -117,7 +120,8 @@ impl Rig {
         self.equip(scenario);
         let mode = scenario.run.mode;
         // A key that the rig file lacks leaves the drive's default, not the amplifier or the encoders of the scenario.
-        scenario.bench.parameters.retain(|it| !OF_PINS.contains(&&*it.name));
+        let is_own = |origin: &Origin| matches!(origin, Origin::Option(option) if **option == *COMMISSION);
+        scenario.bench.parameters.retain(|it| !OF_PINS.contains(&&*it.name) || is_own(&it.origin));
         let find = |name: &str| parameters.iter().find(|parameter| parameter.name == name);
         let mut set = |name: &str, value, is_of_pins: bool| {
             let (section, of) = if is_of_pins {

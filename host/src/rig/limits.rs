@@ -73,9 +73,14 @@ impl Rig {
     /// Checks what a scenario sets, before anything is opened. Whether its reference is a position isn't known yet.
     ///
     /// # Errors
-    /// As `check_parameters`; in bench mode the rig needs the scale of its amplifier.
+    /// As `check_parameters`; in bench mode the rig needs the scale of its amplifier, unless the drive makes the torque by a bridge.
     pub fn allows(&self, scenario: &Scenario) -> Result<(), LimitError> {
-        if !scenario.run.mode.is_hil() && self.power_stage.torque_per_duty_nm.is_none() {
+        let makes_torque = |it: &ParameterSetting| {
+            it.name == "torque_source" && it.value != ParameterValue::Text("amplifier".to_owned())
+        };
+        let mut settings = scenario.controller.parameters.iter().chain(&scenario.bench.parameters);
+        let has_amplifier = !settings.any(makes_torque);
+        if has_amplifier && !scenario.run.mode.is_hil() && self.power_stage.torque_per_duty_nm.is_none() {
             return Err(LimitError::NoScale { rig: self.file.clone() });
         }
         self.limits.check_parameters(scenario, &self.file)

@@ -6,10 +6,10 @@ use tests::program;
 use tests::records::Records;
 use tests::scripted::{Made, Script};
 
-/// Bytes of a sample, a torque and a telemetry frame of nine signals.
+/// Bytes of a sample, a torque and a telemetry frame of eleven signals.
 const SAMPLE: f64 = 19.0;
 const TORQUE: f64 = 16.0;
-const TELEMETRY: f64 = 45.0;
+const TELEMETRY: f64 = 53.0;
 
 /// Wire time of `bytes`.
 fn wire_s(bytes: f64, baud: u32) -> f64 {

@@ -16,6 +16,7 @@ mod against_hil;
 mod bench_mode;
 mod commission;
 mod conversation;
+mod electrical;
 mod equipment;
 mod experiment;
 mod flash;
@@ -31,7 +32,7 @@ use tests::{fault_table, optional, own_core, rom_loader};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 20] = [
+const TRIALS: [(&str, Check); 23] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -49,6 +50,9 @@ const TRIALS: [(&str, Check); 20] = [
     ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),
     ("against_hil::the_experiment_differs_from_its_simulation_as_explained", against_hil::experiment),
     ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
+    ("electrical::a_motor_at_a_bridge_is_within_its_intervals", electrical::found),
+    ("electrical::a_reversed_sensor_moves_nothing_by_a_loop", electrical::reversed),
+    ("electrical::a_wrong_scale_of_the_sensor_ends_before_the_mechanics", electrical::wrong_scale),
     ("experiment::a_person_brings_the_load_to_its_start", experiment::waits_for_the_start),
     ("experiment::a_motor_at_a_bridge_has_no_static_error_after_compensation", experiment::at_a_bridge),
     ("faults::the_watchdog_removes_the_torque_in_time", || {

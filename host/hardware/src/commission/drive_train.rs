@@ -7,12 +7,14 @@ use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
-use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use lashloop_identify::electrical::StageTrip;
+use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Peaks, PlannedMotion};
 use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
+use super::trip::trip;
 use crate::identify::record::{NoSeries, counts, directions_in_force, series};
 use lashloop::execution::{ExecutionError, OpenDrive};
 
@@ -77,14 +79,42 @@ impl DriveTrain for OnDevice<'_> {
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let mut scenario = (self.scenario)(&settings)?;
         scenario::explain_twist(&mut scenario, motion.twist_rad);
+        let Some(ran) = self.run(&motion.name, scenario, guard)? else { return Ok(None) };
+        if ran.halt.is_none() && ran.end != End::Complete {
+            return Err(MotionError::Ended { motion: motion.name.clone(), end: ran.end.to_string() });
+        }
+        let series = series(&ran.columns, &self.instruments, ran.in_force)
+            .map_err(|source| MotionError::Series { motion: motion.name.clone(), source })?;
+        Ok(Some(Made { series, halt: ran.halt, peaks: ran.peaks }))
+    }
+}
+
+/// A run that was made.
+pub(super) struct Ran {
+    pub(super) columns: Columns,
+    pub(super) end: End,
+    pub(super) halt: Option<Halt>,
+    peaks: Peaks,
+    in_force: [Direction; 2],
+}
+
+impl OnDevice<'_> {
+    /// Makes the run of this name and records it; `None` if the drive train was not at rest.
+    pub(super) fn run(
+        &mut self,
+        name: &str,
+        mut scenario: Scenario,
+        guard: Guard,
+    ) -> Result<Option<Ran>, MotionError> {
         let instruments = self.instruments;
         let (columns, in_force) = (Columns::default(), [Direction::Forward; 2]);
         let mut watch = Watch { columns, guard, halt: None, in_force, instruments };
-        let name = &motion.name;
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
         let outcome = self.drive.run(&mut scenario, vec![&mut watch], writer.as_mut())?;
         let Watch { columns, guard, halt, in_force, .. } = watch;
-        if halt == Some(Halt::NotAtRest) {
+        // At the start of a run the drive doesn't know the speed yet, so a motor that still turns contradicts its voltage.
+        let turns = guard.awaits_torque() && trip(&outcome.end) == Some(StageTrip::Sensor);
+        if halt == Some(Halt::NotAtRest) || turns {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);
             return discarded
                 .map(|()| None)
@@ -93,12 +123,7 @@ impl DriveTrain for OnDevice<'_> {
         let device = self.drive.device();
         let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt };
         (self.record)(record).map_err(MotionError::Record)?;
-        if halt.is_none() && outcome.end != End::Complete {
-            return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
-        }
-        let series = series(&columns, &self.instruments, in_force)
-            .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
-        Ok(Some(Made { series, halt, peaks: guard.peaks() }))
+        Ok(Some(Ran { columns, end: outcome.end, halt, peaks: guard.peaks(), in_force }))
     }
 }
 

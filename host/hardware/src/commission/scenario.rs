@@ -4,11 +4,12 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use lashloop_bench::scenario::bench::TORQUE_PER_RAD_NM;
+use lashloop_bench::scenario::bench::{TORQUE_PER_RAD_NM, key_of_pin};
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
 use lashloop_bench::scenario::{Origin, RunMode, Scenario};
 use lashloop_identify::excitation::Limits;
 
+use lashloop::rig::drive_settings::COMMISSION;
 use lashloop::rig::file::pin_default;
 
 /// The law that commands the reference as a torque.
@@ -24,16 +25,52 @@ pub fn settings(limits: &Limits) -> Vec<String> {
         ("motor_speed_limit_rad_s", motor_speed_rad_s),
         ("load_speed_limit_rad_s", load_speed_rad_s),
     ];
-    let parameters = parameters.map(|(name, value)| format!("{name} = {value:?}")).join(", ");
-    vec![
+    // Those of the drive stay, such as the motor at its bridge; those of the law in the file are left out.
+    let parameters = parameters.into_iter().chain([(TORQUE_PER_RAD_NM, &1.0)]);
+    let parameters = parameters.map(|(name, value)| format!("controller.parameters.{name}={value:?}"));
+    let rest = [
         format!("controller.name={LAW}"),
-        format!("controller.parameters={{ {parameters}, {TORQUE_PER_RAD_NM} = 1.0 }}"),
         // A motion begins where the one before has ended.
         "bench.start=anywhere".to_owned(),
         r#"meant=["start", "mismatch", "large-angle"]"#.to_owned(),
         "expect=[]".to_owned(),
         "fault=[]".to_owned(),
-    ]
+    ];
+    rest.into_iter().chain(parameters).collect()
+}
+
+/// What a scenario gives a parameter of the drive.
+pub(super) fn given<'a>(scenario: &'a Scenario, name: &str) -> Option<&'a ParameterValue> {
+    let mut settings = scenario.controller.parameters.iter().chain(&scenario.bench.parameters);
+    settings.find(|it| it.name == name).map(|it| &it.value)
+}
+
+/// The number that a scenario gives a parameter of the pins, else the drive's default.
+#[must_use]
+pub fn pin_number(scenario: &Scenario, name: &str) -> f64 {
+    match given(scenario, name) {
+        Some(ParameterValue::Number(number)) => *number,
+        _ => pin_default(name),
+    }
+}
+
+/// Gives a parameter of the pins a value instead of the scenario's, also instead of the rig's.
+pub fn set_pin(scenario: &mut Scenario, name: &str, value: f64) {
+    let Scenario { controller, bench, .. } = scenario;
+    for of in [&mut controller.parameters, &mut bench.parameters] {
+        of.retain(|it| it.name != name);
+    }
+    let (section, of) = match key_of_pin(name) {
+        Some(_) => ("bench", &mut bench.parameters),
+        None => ("controller.parameters", &mut controller.parameters),
+    };
+    let origin = Origin::Option(COMMISSION.into());
+    of.push(ParameterSetting {
+        section,
+        name: name.to_owned(),
+        value: ParameterValue::Number(value),
+        origin,
+    });
 }
 
 /// Parameter of a drive in bench mode: the change of the twist beyond which an encoder counts as lost.
@@ -43,8 +80,7 @@ const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
 pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
     let Some(explained_rad) = twist_rad.filter(|_| scenario.run.mode == RunMode::Bench) else { return };
     let parameters = &mut scenario.bench.parameters;
-    let given = parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value);
-    let given_rad = match given {
+    let given_rad = match parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value) {
         Some(ParameterValue::Number(limit_rad)) => *limit_rad,
         // It bounds the first motions, in which nothing is known but that the load barely moves.
         _ => pin_default(TWIST_LIMIT_RAD),
@@ -54,7 +90,7 @@ pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
         section: "bench",
         name: TWIST_LIMIT_RAD.to_owned(),
         value: ParameterValue::Number(given_rad.max(explained_rad)),
-        origin: Origin::Option("lashloop commission".into()),
+        origin: Origin::Option(COMMISSION.into()),
     });
 }
 

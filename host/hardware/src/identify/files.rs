@@ -3,13 +3,16 @@
 use std::fmt::Write as _;
 
 use lashloop_bench::scenario::RunMode;
-use lashloop_identify::{Direction, Estimate, Identified, Quantity};
+use lashloop_identify::electrical::Motor;
+use lashloop_identify::{CONFIDENCE, Direction, Estimate, Identified, Quantity};
 use lashloop_plant::backlash_shaft;
 
 /// The plant in the format of a scenario.
 pub const PLANT_FILE: &str = "plant.toml";
 /// The parameters of a drive, for `lashloop parameters restore`.
 pub const DRIVE_FILE: &str = "drive.toml";
+/// The motor at a bridge, as parameters of the drive.
+pub const MOTOR_FILE: &str = "motor.toml";
 /// Everything as JSON, for `lashloop run --gate`.
 pub const ESTIMATES_FILE: &str = "estimates.json";
 
@@ -39,21 +42,12 @@ pub fn table(identified: &Identified) -> String {
         None => "not observable in this record",
     };
     let mut text = String::new();
-    let mut line = |name: &str, value: &str, rest: &str| {
-        let _ = writeln!(text, "{}", format!("{name:<26} {value:>13}  {rest}").trim_end());
-    };
+    let mut line = |name: &str, value: &str, rest: &str| table_line(&mut text, name, value, rest);
     line("quantity", "estimate", &format!("{percent:.0} % interval"));
     line("motor_direction", direction(identified.directions.motor), "");
     line("load_direction", direction(identified.directions.load), "");
     for quantity in &identified.quantities {
-        let Quantity { name, unit, meaning, estimate, .. } = quantity;
-        match estimate {
-            Some(it) => {
-                let interval = format!("{} to {} {unit}", digits(it, it.low), digits(it, it.high));
-                line(name, &digits(it, it.value), &format!("{interval:<36} {meaning}"));
-            }
-            None => line(name, "-", &format!("{:<36} {meaning}", "not observable in this record")),
-        }
+        quantity_line(quantity, &mut line);
     }
     let [motor, load] = identified.residual_counts;
     let followed = if identified.is_followed() {
@@ -62,6 +56,48 @@ pub fn table(identified: &Identified) -> String {
         "the model does not follow the record; the intervals are those of the nearest model"
     };
     let _ = writeln!(text, "\nresiduals: {motor:.2} counts of the motor, {load:.2} of the load: {followed}");
+    text
+}
+
+fn table_line(text: &mut String, name: &str, value: &str, rest: &str) {
+    let _ = writeln!(text, "{}", format!("{name:<26} {value:>13}  {rest}").trim_end());
+}
+
+fn quantity_line(quantity: &Quantity, line: &mut impl FnMut(&str, &str, &str)) {
+    let Quantity { name, unit, meaning, estimate, .. } = quantity;
+    match estimate {
+        Some(it) => {
+            let interval = format!("{} to {} {unit}", digits(it, it.low), digits(it, it.high));
+            line(name, &digits(it, it.value), &format!("{interval:<36} {meaning}"));
+        }
+        None => line(name, "-", &format!("{:<36} {meaning}", "not observable in this record")),
+    }
+}
+
+/// The table of a motor on standard output.
+#[must_use]
+pub fn motor_table(motor: &Motor) -> String {
+    let mut text = String::new();
+    table_line(&mut text, "quantity", "estimate", &format!("{:.0} % interval", 100.0 * CONFIDENCE));
+    for quantity in motor.quantities() {
+        quantity_line(&quantity, &mut |name, value, rest| table_line(&mut text, name, value, rest));
+    }
+    if motor.is_encoder_reversed {
+        text += "the motor encoder counts against the bridge: reverse motor_direction or torque_direction\n";
+    }
+    text
+}
+
+/// The parameters of a drive for its motor, with intervals as comments.
+#[must_use]
+pub fn motor_toml(motor: &Motor) -> String {
+    let mut text = String::new();
+    for Quantity { drive_parameter, unit, estimate, .. } in motor.quantities() {
+        if let (Some(name), Some(it)) = (drive_parameter, estimate) {
+            let [value, low, high] = [it.value, it.low, it.high].map(|value| digits(&it, value));
+            let _ = writeln!(text, "{:<44} # {low} to {high} {unit}", format!("{name} = {value}"));
+        }
+    }
     text
 }
 

@@ -50,7 +50,7 @@ pub enum Halt {
 }
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(super) const REST_S: f64 = 0.05;
+pub(crate) const REST_S: f64 = 0.05;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -150,6 +150,12 @@ impl Guard {
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 
+    /// The same guard of a motion that begins without the time at rest.
+    #[must_use]
+    pub(crate) fn without_rest(self) -> Self {
+        Self { rest: None, ..self }
+    }
+
     /// A guard that never halts, for records and models.
     #[must_use]
     pub fn unlimited(instruments: &Instruments, period_s: f64) -> Self {
@@ -202,6 +208,12 @@ impl Guard {
         }
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
+    }
+
+    /// Whether the time at rest lasts, before the first torque.
+    #[must_use]
+    pub fn awaits_torque(&self) -> bool {
+        self.rest.as_ref().is_some_and(|rest| rest.counts[0].len() < rest.samples)
     }
 
     /// Largest values so far.

@@ -14,6 +14,7 @@ mod limits;
 mod motions;
 mod procedure;
 
+pub(crate) use limits::REST_S;
 pub use limits::{Exceeded, Guard, Halt, Limits, Peaks};
 pub use motions::{Breakaway, PlannedMotion};
 pub use procedure::{Commissioned, CommissioningError, DriveTrain, Made, commission};
