@@ -20,7 +20,7 @@ pub trait PowerStage {
 
 /// What the drive commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StageCommand {
+pub enum StageCommand<'run> {
     /// Outputs off.
     Off,
     /// A torque.
@@ -30,7 +30,7 @@ pub enum StageCommand {
         /// Speed of the motor in rad/s.
         speed_rad_s: f32,
         /// Modulation of the run.
-        modulation: Modulation,
+        modulation: &'run Modulation,
     },
 }
 
@@ -48,7 +48,7 @@ impl<S: PowerStage> Actuator<S> {
     }
 
     /// Applies what the drive commands. To be called after every call of the drive that may change its state.
-    pub fn follow(&mut self, command: StageCommand) {
+    pub fn follow(&mut self, command: StageCommand<'_>) {
         match command {
             StageCommand::Off => {
                 self.stage.disable();
@@ -57,7 +57,7 @@ impl<S: PowerStage> Actuator<S> {
             StageCommand::Torque { torque_nm, speed_rad_s, modulation } => {
                 // Once in a run: a stage that a fault has switched off stays off until the drive has seen the fault.
                 if !self.is_on {
-                    self.stage.enable(&modulation);
+                    self.stage.enable(modulation);
                     self.is_on = true;
                 }
                 self.stage.apply(torque_nm, speed_rad_s);
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn a_stage_is_enabled_once_in_a_run_and_disabled_at_its_end() {
         let mut actuator = Actuator::new(Recorder::default());
-        let on = StageCommand::Torque { torque_nm: 1.0, speed_rad_s: 0.0, modulation: AMPLIFIER };
+        let on = StageCommand::Torque { torque_nm: 1.0, speed_rad_s: 0.0, modulation: &AMPLIFIER };
         for command in [on, on, StageCommand::Off, on] {
             actuator.follow(command);
         }

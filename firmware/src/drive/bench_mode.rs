@@ -100,7 +100,7 @@ impl<L: LawSet> Drive<L> {
 
     /// What the power stage has to do.
     #[must_use]
-    pub fn stage_command(&self) -> StageCommand {
+    pub fn stage_command(&self) -> StageCommand<'_> {
         let run = self.lifecycle.run();
         run.and_then(|run| Some((run, run.pins()?))).map_or(StageCommand::Off, |(run, pins)| {
             StageCommand::Torque {

@@ -94,8 +94,8 @@ impl PinRun {
         &self.parameters
     }
 
-    pub(super) fn modulation(&self) -> Modulation {
-        self.modulation
+    pub(super) fn modulation(&self) -> &Modulation {
+        &self.modulation
     }
 
     pub(super) fn take_reference(&mut self, reference: Reference) {

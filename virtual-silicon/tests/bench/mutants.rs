@@ -53,8 +53,8 @@ fn a_handler_that_halts_without_switching_off_is_noticed() {
 
 #[test]
 fn a_watchdog_that_never_times_out_is_noticed() {
-    // The result by reference, Ok as the code after the last one of a fault: movs r1, #14; strb r1, [r0, #12].
-    let ok = Code::default().halfwords(&[0x210e, 0x7301, RETURN]);
+    // The result by reference, Ok as the code after the last one of a fault: movs r1, #20; strb r1, [r0, #12].
+    let ok = Code::default().halfwords(&[0x2114, 0x7301, RETURN]);
     let careless = image().with_code("Watchdog::check", |_| ok).expect("the watchdog");
     assert!(is_noticed(cause("host silent"), &careless));
     assert!(!is_noticed(cause("Stop"), &careless), "everything else works");

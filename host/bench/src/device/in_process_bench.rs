@@ -72,7 +72,7 @@ impl DriveTrain {
     }
 
     /// Takes the duty of the power stage. One that is off leaves the motor without torque.
-    fn follow(&mut self, command: StageCommand) {
+    fn follow(&mut self, command: StageCommand<'_>) {
         self.torque_nm = match command {
             StageCommand::Off => 0.0,
             StageCommand::Torque { torque_nm, speed_rad_s, modulation } => {
