@@ -42,7 +42,9 @@ impl SensorCheck {
         let explained_a = UNKNOWN * (Real::abs(current_a) + Real::abs(emf_a)) + self.tolerance_a;
         let is_held = Real::abs(wanted_a - current_a) <= UNKNOWN * Real::abs(wanted_a) + self.noise_a;
         let is_explained = Real::abs(self.expected_a - current_a) <= explained_a;
-        self.periods = if is_held || is_explained { 0 } else { self.periods + 1 };
+        // Without a command a motor that still turns as the run starts makes a current that no speed explains yet.
+        let is_commanded = Real::abs(wanted_a) > self.noise_a;
+        self.periods = if is_held || is_explained || !is_commanded { 0 } else { self.periods + 1 };
         // Until the next sample half a period has the duty of before.
         let voltage_v = duty * bus_v;
         let mean_a = 0.5 * (self.voltage_v + voltage_v) / resistance_ohm;

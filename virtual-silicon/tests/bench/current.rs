@@ -154,7 +154,7 @@ fn a_turning_motor_has_its_torque() {
         host.steps(20, 1.0);
         let torques = torques(&mut host, &motor, Duration::from_millis(2));
         let mean_nm = torques.iter().sum::<f64>() / torques.len() as f64;
-        println!("{speed_rad_s} rad/s: {mean_nm:.4} N m");
+        println!("{speed_rad_s} rad/s: {mean_nm:.4} N m, {:?}", host.faults());
         assert!((mean_nm - f64::from(LIMIT_NM)).abs() < 0.02, "{mean_nm} N m at {speed_rad_s} rad/s");
     }
 }
