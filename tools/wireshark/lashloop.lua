@@ -115,7 +115,6 @@ local TORQUE_FLAGS = {
     [16] = "SATURATED",
     [32] = "REPEATED",
     [64] = "GAP",
-    [128] = "SLEW_LIMITED",
 }
 local PARAMETER_FLAGS = {
     [1] = "LIVE",

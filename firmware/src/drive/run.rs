@@ -146,7 +146,6 @@ impl<L: LawSet> Run<L> {
         let torque = torque.and_then(|(clamped_nm, requested_nm)| {
             let torque_nm = pins.slow_down(clamped_nm, commanded_nm);
             let mut flags = TorqueFlags::empty();
-            flags.set(TorqueFlags::SLEW_LIMITED, torque_nm != clamped_nm);
             flags.set(TorqueFlags::SATURATED, clamped_nm != requested_nm && torque_nm == clamped_nm);
             self.torque_nm = torque_nm;
             pins.check_limits(&sample, readings, [commanded_nm, held_nm, torque_nm])?;

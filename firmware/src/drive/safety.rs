@@ -10,7 +10,7 @@
 //! | `EmergencyStop` | fault |
 //! | bench mode: fault of the power stage, lost encoder, missing or late tick | fault, see `pin_run` |
 //! | bench mode: travel, stall, overload, missing torque, limit switch | fault, see `guard` |
-//! | bench mode: torque faster than `torque_slew_nm_s` | slowed down and flagged |
+//! | bench mode: torque faster than `torque_slew_nm_s` | slowed down |
 //! | bench mode: motor that runs away from its torque | fault, see `motor_direction` |
 //! | bench mode: implausible encoder or fault of the power stage before the start | not armed, see `pins` |
 //!

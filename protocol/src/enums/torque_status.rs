@@ -14,8 +14,6 @@ bitflags::bitflags! {
         const REPEATED = 0x20;
         /// Samples are missing between the last sample taken and this one.
         const GAP = 0x40;
-        /// Bench mode: the drive limited the change of the torque since the last step.
-        const SLEW_LIMITED = 0x80;
     }
 }
 

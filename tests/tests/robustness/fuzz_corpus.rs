@@ -124,12 +124,13 @@ fn cells_of_the_page() -> BTreeSet<Cell> {
     for request in ["Reference", "EnterLoader"] {
         cells.extend(states.iter().map(|before| cell(request, before, "WrongState")));
     }
-    // Sections 20 to 22: it has none of these options.
-    for request in
-        ["StoreParameters", "RecallParameters", "ForgetParameters", "SetZero", "Capture", "ReadCapture"]
-    {
+    // Sections 20 and 21: it has neither a store nor pins.
+    for request in ["StoreParameters", "RecallParameters", "ForgetParameters", "SetZero"] {
         cells.extend(states.iter().map(|before| cell(request, before, "UnknownRequest")));
     }
+    cells.extend(["Boot", "Faulted"].map(|before| cell("Capture", before, "WrongState")));
+    cells.extend(["Idle", "Armed", "Running"].map(|before| cell("Capture", before, &format!("-> {before}"))));
+    cells.extend(states.iter().map(|before| cell("ReadCapture", before, "NotCaptured")));
     cells.extend([
         cell("SetParameter", "Idle", "WrongType"),
         cell("SetParameter", "Idle", "OutOfRange"),

@@ -189,7 +189,6 @@ class TorqueFlags(IntFlag):
     SATURATED = 0x10
     REPEATED = 0x20
     GAP = 0x40
-    SLEW_LIMITED = 0x80
 
 
 @dataclass(frozen=True, slots=True)
