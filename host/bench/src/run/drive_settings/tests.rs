@@ -161,7 +161,7 @@ fn a_telemetry_takes_thirteen_signals_and_the_rest_is_noted() {
     let (signals, notes) = settings::<OwnLaws>(&scenario("talkative", "", &[])).expect("settings");
     assert_eq!(signals.len(), 13);
     assert_eq!(signals[0], "requested_torque_nm");
-    assert!(notes[0].ends_with("so it lacks j, k, l, m; telemetry.signals selects them"), "{notes:?}");
+    assert!(notes[0].ends_with("so it lacks h, i, j, k, l, m; telemetry.signals selects them"), "{notes:?}");
     let all = format!(
         "[telemetry]\nsignals = {:?}\n",
         ["requested_torque_nm", "a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m"]
