@@ -74,6 +74,8 @@ class SpecifiedPd:
             "measured_motor_velocity_rad_s": self._motor_velocity,
             "measured_load_velocity_rad_s": self._load_velocity,
             "measured_twist_rad": twist,
+            "measured_torque_nm": sample.applied_torque_nm,
+            "bridge_voltage_v": 0.0,
             "dead_zone_estimate_rad": it.get("dead_zone_rad", real(0.0)),
             "disturbing_torque_estimate_nm": real(0.0),
             "load_error_rad": load_error,
