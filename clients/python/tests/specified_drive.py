@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 from lashloop.control import ControlLaw, ParameterSpec, SignalSpec, choice, f32, signal, u32
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
+from lashloop.enums import Capabilities
 from lashloop.limits import MAX_PARAMETERS
 from lashloop.messages import (
     ChoiceDescription,
     DescribeChoice,
     DescribeParameter,
     DescribeSignal,
+    Identity,
     ParameterDescription,
     ParameterReport,
     SetParameter,
@@ -104,6 +106,9 @@ class Translation:
     def answer(self, message: DriveMessage) -> DriveMessage:
         """Translate an answer of our drive for the example."""
         match message:
+            case Identity():
+                # The drive of the example captures, too.
+                return replace(message, capabilities=message.capabilities | Capabilities.CAPTURE)
             case ParameterReport() | ParameterDescription():
                 return replace(message, index=_key(self._parameters, message.index))
             case ChoiceDescription() if message.parameter <= MAX_PARAMETERS:

@@ -38,6 +38,7 @@ class Measurement:
     reference_position_rad: f32
     reference_velocity_rad_s: f32
     reference_acceleration_rad_s2: f32
+    applied_torque_nm: f32
 
 
 class _Channel:
@@ -121,6 +122,7 @@ class Sensing:
             reference_position_rad=reference_rad,
             reference_velocity_rad_s=velocity_rad_s,
             reference_acceleration_rad_s2=acceleration_rad_s2,
+            applied_torque_nm=f32(sample.applied_torque_nm),
         )
 
 
