@@ -10,7 +10,7 @@ pub struct ContactPins(pub [AnyPin<Input>; 4]);
 
 impl ContactInputs for ContactPins {
     fn closed(&self) -> Contacts {
-        let [enable, negative_limit, positive_limit, home] = self.0.each_ref().map(|pin| pin.is_low());
+        let [enable, negative_limit, positive_limit, home] = self.0.each_ref().map(AnyPin::is_low);
         Contacts { enable, negative_limit, positive_limit, home }
     }
 }
