@@ -77,14 +77,9 @@ mod tests {
     use super::*;
 
     const LIMITS: BridgeLimits = BridgeLimits {
-        supply_v: 24.0,
-        current_range_a: 80.0,
-        current_direction: Direction::Forward,
-        supply_range_v: 60.0,
-        current_limit_a: 40.0,
         supply_min_v: 10.0,
         supply_max_v: 50.0,
-        brake_on_v: 45.0,
+        ..crate::power_stage::tests::AMPLIFIER.bridge
     };
 
     #[test]

@@ -136,6 +136,11 @@ impl<L: LawSet> ControlLoop<L> {
         self.requested_torque_nm
     }
 
+    /// Counts of motor and load at the last step, without wraparound; zeros before the first one.
+    pub(super) fn counts(&self) -> [i32; 2] {
+        self.previous_counts.map_or([0; 2], |(motor, load)| [motor, load])
+    }
+
     /// Whether the reference is a torque.
     pub(super) fn takes_torque(&self) -> bool {
         self.law.takes_torque()

@@ -2,9 +2,7 @@
 
 use core::f32::consts::TAU;
 
-use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::FaultCode;
-use lashloop_protocol::message::EncoderSample;
 
 use super::pin_parameters::PinParameters;
 use super::pins::PinReadings;
@@ -23,48 +21,16 @@ const MISSING_TORQUE: f32 = 0.1;
 pub(super) struct Guard {
     period_s: f32,
     torque_limit_nm: f32,
-    motor: Axis,
-    load: Axis,
+    motor_rad_per_count: f32,
+    load_rad_per_count: f32,
+    /// Counts of motor and load where they last moved.
+    rest: [i32; 2],
     stalled_s: f32,
     missing_s: f32,
     /// Lagged square of the torque, in (N m)^2.
     motor_heat: f32,
     /// Lagged square of the current, in A^2.
     stage_heat: f32,
-}
-
-/// Position of one encoder without wraparound.
-struct Axis {
-    rad_per_count: f32,
-    /// The reading and the position in counts; `None` before the first step.
-    last: Option<(EncoderCounts, i32)>,
-    /// Position at the start of a stall.
-    rest: i32,
-}
-
-impl Axis {
-    fn new(counts_per_rev: u32) -> Self {
-        Self { rad_per_count: TAU / counts_per_rev as f32, last: None, rest: 0 }
-    }
-
-    /// Takes a reading, and returns the position in rad.
-    fn take(&mut self, counts: EncoderCounts) -> f32 {
-        let position = match self.last {
-            None => counts.get(),
-            Some((last, position)) => position.wrapping_add(counts.wrapping_sub(last)),
-        };
-        self.last = Some((counts, position));
-        position as f32 * self.rad_per_count
-    }
-
-    fn has_moved(&mut self) -> bool {
-        let position = self.last.map_or(0, |(_, position)| position);
-        let moved = position.wrapping_sub(self.rest).unsigned_abs() > STALL_COUNTS;
-        if moved {
-            self.rest = position;
-        }
-        moved
-    }
 }
 
 impl PinParameters {
@@ -82,8 +48,9 @@ impl Guard {
         Self {
             period_s: drive.period_s(),
             torque_limit_nm: drive.torque_limit_nm,
-            motor: Axis::new(drive.motor_counts_per_rev),
-            load: Axis::new(drive.load_counts_per_rev),
+            motor_rad_per_count: TAU / drive.motor_counts_per_rev as f32,
+            load_rad_per_count: TAU / drive.load_counts_per_rev as f32,
+            rest: [0; 2],
             stalled_s: 0.0,
             missing_s: 0.0,
             motor_heat: 0.0,
@@ -91,49 +58,37 @@ impl Guard {
         }
     }
 
-    /// Takes a control step: the command of the last period, the torque that was, and the next command, in N m.
+    /// Takes a control step: counts of motor and load without wraparound, the command of the last period, the torque that was, and the next command, in N m.
     ///
     /// # Errors
     /// The limit that doesn't hold.
     pub(super) fn check(
         &mut self,
         it: &PinParameters,
-        sample: &EncoderSample,
+        counts: [i32; 2],
         readings: &PinReadings,
         [commanded_nm, torque_nm, next_nm]: [f32; 3],
     ) -> Result<(), Violation> {
-        self.check_travel(it, sample)?;
+        self.check_travel(it, counts)?;
         check_switches(it, readings, next_nm)?;
-        self.check_stall(it, torque_nm)?;
+        self.check_stall(it, counts, torque_nm)?;
         self.check_heat(it, torque_nm)?;
         if readings.torque_nm.is_some() { self.check_torque(it, commanded_nm, torque_nm) } else { Ok(()) }
     }
 
-    fn check_travel(&mut self, it: &PinParameters, sample: &EncoderSample) -> Result<(), Violation> {
-        for (code, rad, min, max) in [
-            (
-                FaultCode::MotorTravel,
-                self.motor.take(sample.motor_counts),
-                it.motor_travel_min_rad,
-                it.motor_travel_max_rad,
-            ),
-            (
-                FaultCode::LoadTravel,
-                self.load.take(sample.load_counts),
-                it.load_travel_min_rad,
-                it.load_travel_max_rad,
-            ),
-        ] {
-            let limit = if rad < min { min } else { max };
-            if rad < min || rad > max {
-                return Err(Violation { code, value: rad, limit, detail: 0 });
-            }
-        }
-        Ok(())
+    fn check_travel(&self, it: &PinParameters, [motor, load]: [i32; 2]) -> Result<(), Violation> {
+        let motor_rad = motor as f32 * self.motor_rad_per_count;
+        let load_rad = load as f32 * self.load_rad_per_count;
+        within(FaultCode::MotorTravel, motor_rad, it.motor_travel_min_rad, it.motor_travel_max_rad)?;
+        within(FaultCode::LoadTravel, load_rad, it.load_travel_min_rad, it.load_travel_max_rad)
     }
 
-    fn check_stall(&mut self, it: &PinParameters, torque_nm: f32) -> Result<(), Violation> {
-        let has_moved = self.motor.has_moved() | self.load.has_moved();
+    fn check_stall(&mut self, it: &PinParameters, counts: [i32; 2], torque_nm: f32) -> Result<(), Violation> {
+        let moved = |axis: usize| counts[axis].wrapping_sub(self.rest[axis]).unsigned_abs() > STALL_COUNTS;
+        let has_moved = moved(0) || moved(1);
+        if has_moved {
+            self.rest = counts;
+        }
         let is_at_limit = Real::abs(torque_nm) > STALL_TORQUE * self.torque_limit_nm;
         lasting(
             FaultCode::Stall,
@@ -189,6 +144,11 @@ fn check_switches(it: &PinParameters, readings: &PinReadings, next_nm: f32) -> R
         (false, true) => 2,
     };
     Err(Violation { detail, ..Violation::of(FaultCode::LimitSwitch) })
+}
+
+fn within(code: FaultCode, value: f32, min: f32, max: f32) -> Result<(), Violation> {
+    let limit = if value < min { min } else { max };
+    if value < min || value > max { Err(Violation { code, value, limit, detail: 0 }) } else { Ok(()) }
 }
 
 fn overload(heat: f32, limit: f32, detail: u32) -> Result<(), Violation> {

@@ -217,11 +217,11 @@ impl PinRun {
     /// Checks the limits that hold without a host, see [`Guard::check`].
     pub(super) fn check_limits(
         &mut self,
-        sample: &EncoderSample,
+        counts: [i32; 2],
         readings: &PinReadings,
         torques_nm: [f32; 3],
     ) -> Result<(), Violation> {
-        self.guard.check(&self.parameters, sample, readings, torques_nm)
+        self.guard.check(&self.parameters, counts, readings, torques_nm)
     }
 
     /// Checks that the step due at `due` ended within its period.

@@ -148,7 +148,7 @@ impl<L: LawSet> Run<L> {
             let mut flags = TorqueFlags::empty();
             flags.set(TorqueFlags::SATURATED, clamped_nm != requested_nm && torque_nm == clamped_nm);
             self.torque_nm = torque_nm;
-            pins.check_limits(&sample, readings, [commanded_nm, held_nm, torque_nm])?;
+            pins.check_limits(self.control.counts(), readings, [commanded_nm, held_nm, torque_nm])?;
             if !self.control.takes_torque() {
                 pins.check_direction(&sample, held_nm)?;
             }

@@ -10,7 +10,7 @@ use crate::client::Session;
 use crate::error::SessionError;
 use crate::refusal::Reply;
 
-/// Why there is no capture.
+/// Why a capture is missing.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
     /// The drive has no scope.
@@ -85,7 +85,7 @@ impl Session {
     /// Reads the rows of the capture that the drive has accepted.
     ///
     /// # Errors
-    /// There is no capture or it isn't complete, the drive rejected the request or is silent, or the line broke.
+    /// The capture is missing or incomplete, the drive rejected the request or is silent, or the line broke.
     pub fn read_capture(&mut self) -> Result<CapturedRows, CaptureError> {
         let (signals, every) = match &self.capture {
             Some(capture) => (capture.signals().to_vec(), capture.every),

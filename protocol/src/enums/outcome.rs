@@ -34,7 +34,7 @@ wire_list! {
         /// The drive could not store or forget the parameters. `detail` is 1 if its memory refuses to be written, 2 if it is full
         /// until the next power-up.
         StoreFailed = 14,
-        /// There is no complete capture. `detail` is 0 without one, 1 before its event, 2 after it.
+        /// The capture is missing or incomplete. `detail` is 0 without one, 1 before its event, 2 after it.
         NotCaptured = 15,
     }
 }

@@ -131,6 +131,6 @@ pub(crate) fn at_a_bridge() {
         for rad in [simulation_rad, experiment_rad] {
             assert!((least_rad..=1.001 * most_rad).contains(&rad.abs()), "{when}: {rad} rad");
         }
-        assert!((simulation_rad - experiment_rad).abs() <= 2.0 * count_rad, "{when}");
+        assert!((simulation_rad - experiment_rad).abs() <= count_rad, "{when}");
     }
 }

@@ -244,10 +244,13 @@ pub const CAUSES: [Cause; 24] = [
             host.steps(2, 1.0);
         },
         happen: |host| {
-            end_step(host);
             host.bench.turn(0.0, 0.0);
-            // The next tick sees the last motion.
-            last_tick(host) + host.period + STALL
+            // The turntable ends the motion that it has begun.
+            host.bench.advance(3 * host.period);
+            let readings = host.bench.act(|_, site| site.log.readings.clone());
+            let has_moved = |pair: &&[(Duration, i64, i64)]| (pair[1].1 - pair[0].1).abs() > 4;
+            let last = readings.windows(2).rfind(has_moved).expect("a motion");
+            last[1].0 + STALL
         },
         fault: Some(FaultCode::Stall),
         ..ON_REQUEST
