@@ -68,13 +68,10 @@ impl Simulator {
             }
         }
         let encoders = &scenario.encoders;
-        let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
-            Ok(Encoder::new(counts_per_rev, encoders.noise_counts, seed)?)
-        };
         Ok(Self {
             plant,
-            motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
-            load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
+            motor_encoder: encoders.motor(scenario.run.seed)?,
+            load_encoder: encoders.load(scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             counts: [0; 2],
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
