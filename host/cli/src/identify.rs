@@ -203,10 +203,9 @@ fn start_of(scenario: &Scenario) -> Start {
             shaft_damping_nm_s_rad: number("shaft_damping_nm_s_rad", shaft.shaft_damping_nm_s_rad),
             load: stribeck(["load_coulomb_nm", "load_stiction_nm", "load_stribeck_rad_s"], shaft.load),
             load_asymmetry: plant.number("load_friction_asymmetry").unwrap_or(shaft.load_asymmetry),
-            load_bristles: None,
             motor: stribeck(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"], shaft.motor),
             current_lag_s: number("current_lag_ms", 1e3 * shaft.current_lag_s) / 1e3,
-            torque_saturation_nm: shaft.torque_saturation_nm,
+            ..shaft
         },
     }
 }
