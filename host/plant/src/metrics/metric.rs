@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::after_move::SettlingAfterMove;
 use super::channel::Channel;
+use super::coverage::Beyond;
 use super::lost_motion::Reversal;
 use super::measured::Measured;
 use super::meter::{Meter, NewMeter, Setup};
@@ -132,6 +133,10 @@ metrics! {
     DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" trend Any by |setup| {
         statistic(setup.needed(DEAD_ZONE_DEVIATION)?, Statistic::Final)
     };
+    /// Fraction of the estimates of j0 that are off by more than two of the deviations stated with them.
+    DeadZoneBeyondTwo = "dead_zone_beyond_two_deviations" in "" trend Any by |setup| beyond(setup, 2.0);
+    /// Fraction of the estimates of j0 that are off by more than four of the deviations stated with them.
+    DeadZoneBeyondFour = "dead_zone_beyond_four_deviations" in "" trend Any by |setup| beyond(setup, 4.0);
     /// Time of the first estimate after the last one more than 0.02 rad from the true j0.
     DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" trend Settling by |setup| {
         boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
@@ -182,6 +187,10 @@ fn tail(setup: &Setup<'_>, channel: Channel, figure: Figure, window_s: f64) -> N
 
 fn dead_zone(setup: &Setup<'_>) -> Result<Channel, Measured> {
     setup.estimate_error(DEAD_ZONE.0, DEAD_ZONE.1)
+}
+
+fn beyond(setup: &Setup<'_>, deviations: f64) -> NewMeter {
+    boxed(Beyond::new(dead_zone(setup)?, setup.needed(DEAD_ZONE_DEVIATION)?, deviations))
 }
 
 fn disturbing_torque(setup: &Setup<'_>) -> Result<Channel, Measured> {
