@@ -9,7 +9,8 @@ use lashloop_plant::metrics::Metric;
 
 use crate::axis::Axis;
 pub use crate::settings::{
-    CampaignFile, Derived, EvidenceSettings, Expectation, Limit, Method, Part, Statistic, VariantSettings,
+    CampaignFile, Derived, Divisor, EvidenceSettings, Expectation, Limit, Method, Part, Statistic,
+    VariantSettings,
 };
 use crate::settings::{Condition, FIRST, Judge, LAST, MISSING, StatisticKeys};
 use crate::sobol::DIMENSIONS;

@@ -203,6 +203,7 @@ set = ["meant=mismatch"]
 name = "pd"
 scenario = "b.toml"
 set = ["run.seed=2"]
+omit = ["controller.parameters.k_21"]
 [[part]]
 name = "grid"
 method = "grid"
@@ -231,6 +232,7 @@ name = "relative"
 metric = "overshoot_rad"
 per = 2.0
 or_count_of = "encoders.load_counts_per_rev"
+over = "minimum-settle-time"
 only_if = "settle_time_s"
 at_most = 5.0
 [[expect]]
