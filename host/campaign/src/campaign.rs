@@ -184,13 +184,14 @@ impl Campaign {
     /// What a case sets in addition to its variant.
     #[must_use]
     pub fn varied(&self, case: &Case) -> Vec<Override> {
-        let axes = self.file.parts[case.part].axes.iter().zip(&case.values);
+        let part = &self.file.parts[case.part];
+        let axes = part.axes.iter().zip(&case.values);
         let varied = axes.flat_map(|(axis, value)| {
             let value = value.setting();
             let has = |key: &&String| !self.variants[case.variant].omit.contains(*key);
             axis.keys.iter().filter(has).map(move |key| Override::Set(format!("{key}={value}")))
         });
-        varied.collect()
+        part.set.iter().cloned().map(Override::Set).chain(varied).collect()
     }
 
     /// The scenario of a case.
@@ -223,15 +224,18 @@ impl Campaign {
         &self.plants
     }
 
-    /// The number of a key in a case: that of its axis, or that of the scenario.
+    /// The number of a key in a case: that of its axis, that which its part sets, or that of the scenario.
     #[must_use]
     pub fn number(&self, case: &Case, key: &str) -> Option<f64> {
-        let axes = &self.file.parts[case.part].axes;
-        let is_omitted = self.variants[case.variant].omit.iter().any(|omitted| omitted == key);
-        match axes.iter().position(|axis| !is_omitted && axis.keys.iter().any(|it| it == key)) {
-            Some(axis) => case.values[axis].number(),
-            None => self.variants[case.variant].number(key),
+        let (part, variant) = (&self.file.parts[case.part], &self.variants[case.variant]);
+        let is_omitted = variant.omit.iter().any(|omitted| omitted == key);
+        let axis = part.axes.iter().position(|axis| axis.keys.iter().any(|it| it == key));
+        if let Some(axis) = axis.filter(|_| !is_omitted) {
+            return case.values[axis].number();
         }
+        let set = part.set.iter().rev().filter_map(|setting| setting.split_once('='));
+        let mut set = set.filter(|(name, _)| name.trim() == key);
+        set.next().map_or_else(|| variant.number(key), |(_, value)| value.trim().parse().ok())
     }
 
     /// Makes a scenario with each listed value and each end of a range, so that a wrong one ends a campaign before its first

@@ -81,8 +81,12 @@ settings! {
         pub name: String = name(),
         /// How the values of the axes are combined.
         pub method: Method = choice().or(Method::Grid),
+        /// Values instead of the scenario's in every case of the part, each as after `--set`.
+        pub set: Vec<String> = settings(),
         /// Points of a sampled part.
         pub points: Option<u64> = integer(1..=MAX_CASES).optional(),
+        /// An earlier part whose axes this part has before its own.
+        pub axes_of: Option<String> = any_text(),
         /// Keys that vary together.
         pub axes as "axis": Vec<Axis> = by(|part| {
             let is_sampled = part.text("method").and_then(Method::named).is_some_and(Method::is_sampled);

@@ -207,6 +207,7 @@ omit = ["controller.parameters.k_21"]
 [[part]]
 name = "grid"
 method = "grid"
+set = ["run.seed=3"]
 [[part.axis]]
 key = "plant.dead_zone_rad"
 label = "gap"

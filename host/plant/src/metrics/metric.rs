@@ -94,6 +94,8 @@ metrics! {
     /// Time from the last change of the reference to the first sample after the last one with abs(e) > 2 % of the
     /// reference's last move; the move is peak to peak.
     SettleAfterMove = "settle_after_move_s" in "s" trend Any by |_| boxed(SettlingAfterMove::default());
+    /// The longest of such times after all moves of the reference, each up to the next.
+    SettleAfterEveryMove = "settle_after_every_move_s" in "s" trend Any by |_| boxed(SettlingAfterMove::of_every_move());
     /// Time from the load's first sample at 10 % of its way to its first at 90 %; the way leads from the load's first
     /// position to the reference's last value.
     RiseTime = "rise_time_s" in "s" trend Fixed by |setup| boxed(RiseTime::new(setup.final_rad));
