@@ -44,10 +44,16 @@ const STANDARD: [Criterion; 10] = [
     criterion("torque_total_variation_nm", "variation", ("N m", 1.0, 0), true),
 ];
 
+/// Settling after moves to and fro, instead of [`OF_ONE_MOVE`].
+pub(super) const EVERY_MOVE: &str = "settle_after_every_move_s";
+
+/// Columns that describe a run of one move from its first error to rest.
+pub(super) const OF_ONE_MOVE: [&str; 3] = ["settle_time_s", "overshoot_rad", "hunting_rad"];
+
 /// What the harder battery has in addition.
 const HARD: [Criterion; 4] = [
     criterion("settle_over_minimum", "over the minimum", ("times", 1.0, 2), true),
-    criterion("settle_after_every_move_s", "after every move", ("s", 1.0, 2), false),
+    criterion(EVERY_MOVE, "after every move", ("s", 1.0, 2), false),
     criterion("dead_zone_beyond_two_deviations", "beyond 2 sigma", PERCENT, true),
     criterion("dead_zone_beyond_four_deviations", "beyond 4 sigma", PERCENT, true),
 ];

@@ -10,7 +10,7 @@ use lashloop_campaign::report::{Group, QUANTILES, Report};
 use lashloop_campaign::table::Table;
 
 use super::campaign::{Battery, RANDOM_PLANTS};
-use super::criterion::Criterion;
+use super::criterion::{Criterion, EVERY_MOVE, OF_ONE_MOVE};
 
 /// The tables of a merged battery.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +86,10 @@ impl Tables {
         let plants = laws.first().map_or(0, |group| group.runs);
         let of = if part == RANDOM_PLANTS { "random plants".to_owned() } else { format!("of {part}") };
         row(out, &format!("{plants} {of}, seed {seed}"), QUANTILES.map(|(name, _)| name))?;
-        for criterion in self.battery.criteria() {
+        let moves = laws.iter().flat_map(|group| &group.columns).any(|it| it.column == EVERY_MOVE);
+        let settling = if moves { EVERY_MOVE } else { OF_ONE_MOVE[0] };
+        let applies = |criterion: &&Criterion| !(moves && OF_ONE_MOVE.contains(&criterion.column));
+        for criterion in self.battery.criteria().filter(applies) {
             let mut name = format!("{}, {}", criterion.name, criterion.unit);
             for group in &laws {
                 let Some(it) = group.columns.iter().find(|it| it.column == criterion.column) else {
@@ -101,7 +104,7 @@ impl Tables {
         let reasons = [Missing::Never, Missing::CutShort, Missing::NotFinite];
         row(out, "runs without a settle time", reasons)?;
         for Group { variant, runs, columns, .. } in laws {
-            let settling = columns.iter().find(|it| it.column == "settle_time_s");
+            let settling = columns.iter().find(|it| it.column == settling);
             let counts = reasons
                 .map(|reason| settling.and_then(|it| it.missing.get(reason.word())).copied().unwrap_or(0));
             row(out, &format!("{:<26}{variant}", format!("of {runs}")), counts)?;

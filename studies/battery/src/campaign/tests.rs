@@ -119,10 +119,10 @@ fn the_harder_battery_tells_each_law_what_it_can_take() {
         hard.variants.iter().map(|variant| &variant.name).collect::<Vec<_>>(),
         laws.iter().collect::<Vec<_>>()
     );
-    let campaign = Battery::Hard.campaign(Selection::default(), &standard()).expect("the campaign");
-    let known = hard.parts.iter().position(|part| part.name == "load-known").expect("a part");
+    let known = Selection { parts: vec!["load-known".to_owned()], ..Selection::default() };
+    let campaign = Battery::Hard.campaign(known, &standard()).expect("the campaign");
     for (variant, law) in laws.iter().enumerate() {
-        let case = campaign.first_case(known, variant);
+        let case = campaign.first_case(0, variant);
         let set = campaign.scenario(&case).expect("a scenario").controller.parameters;
         let has = |name: &str| set.iter().any(|setting| setting.name == name);
         assert_eq!(
