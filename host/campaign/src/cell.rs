@@ -147,17 +147,20 @@ fn judged(
                 missing @ Cell::Missing(_) => return missing,
             }
         }
+        let over = match derived.over.map(|divisor| case.quantity(divisor)) {
+            None => 1.0,
+            Some(Some(over)) if over > 0.0 => over,
+            Some(_) => return Cell::Missing(Missing::Unmeasured),
+        };
         let count_rad =
             derived.or_count_of.as_deref().and_then(|key| case.number(key)).map(|counts| TAU / counts);
-        let divided = match (cell(derived.metric), derived.per, count_rad) {
-            (Cell::Value(value), Some(per), count) => Cell::Value(value / per.max(count.unwrap_or(per))),
-            (Cell::Value(value), None, Some(count_rad)) => Cell::Value(value / count_rad),
-            (cell, _, _) => cell,
+        let per = match (derived.per, count_rad) {
+            (Some(per), count) => per.max(count.unwrap_or(per)),
+            (None, count) => count.unwrap_or(1.0),
         };
-        match (divided, derived.over.map(|divisor| case.quantity(divisor))) {
-            (Cell::Value(value), Some(Some(over))) if over > 0.0 => Cell::Value(value / over),
-            (Cell::Value(_), Some(_)) => Cell::Missing(Missing::Unmeasured),
-            (cell, _) => cell,
+        match cell(derived.metric) {
+            Cell::Value(value) => Cell::Value(value / per / over),
+            missing @ Cell::Missing(_) => missing,
         }
     };
     Metric::ALL.iter().map(|metric| cell(*metric)).chain(derived.iter().map(derive)).collect()
