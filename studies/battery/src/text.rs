@@ -6,6 +6,7 @@ use lashloop_bench::run::End;
 use lashloop_campaign::CampaignError;
 use lashloop_campaign::cell::{Cell, Missing};
 use lashloop_campaign::expectation::{Judged, State};
+use lashloop_campaign::file::Part;
 use lashloop_campaign::report::{Group, QUANTILES, Report};
 use lashloop_campaign::table::Table;
 
@@ -17,8 +18,8 @@ use super::criterion::{Criterion, EVERY_MOVE, OF_ONE_MOVE};
 pub struct Tables {
     battery: Battery,
     report: Report,
-    /// Names of the parts with random plants.
-    random: Vec<String>,
+    /// Names of the parts with random plants, and whether their reference moves to and fro.
+    random: Vec<(String, bool)>,
     sweeps: Vec<Sweep>,
 }
 
@@ -68,7 +69,9 @@ impl Tables {
             let name = axis.label.clone().unwrap_or_else(|| axis.name().to_owned());
             Some(Sweep { battery, name, unit: axis.unit.clone(), rows })
         });
-        let random = parts.iter().filter(|part| part.method.is_sampled()).map(|part| part.name.clone());
+        let moves = |part: &Part| part.set.iter().any(|setting| setting.starts_with("reference="));
+        let random = parts.iter().filter(|part| part.method.is_sampled());
+        let random = random.map(|part| (part.name.clone(), moves(part)));
         Ok(Self { battery, report, random: random.collect(), sweeps: sweeps.collect() })
     }
 }
@@ -80,13 +83,12 @@ fn row(out: &mut fmt::Formatter<'_>, head: &str, [one, two, three]: [impl fmt::D
 
 impl Tables {
     /// Quantiles over the random plants of a part, and its runs without a settling time.
-    fn part(&self, out: &mut fmt::Formatter<'_>, part: &str) -> fmt::Result {
+    fn part(&self, out: &mut fmt::Formatter<'_>, part: &str, moves: bool) -> fmt::Result {
         let Report { seed, groups, .. } = &self.report;
         let laws: Vec<_> = groups.iter().filter(|group| group.part == part).collect();
         let plants = laws.first().map_or(0, |group| group.runs);
         let of = if part == RANDOM_PLANTS { "random plants".to_owned() } else { format!("of {part}") };
         row(out, &format!("{plants} {of}, seed {seed}"), QUANTILES.map(|(name, _)| name))?;
-        let moves = laws.iter().flat_map(|group| &group.columns).any(|it| it.column == EVERY_MOVE);
         let settling = if moves { EVERY_MOVE } else { OF_ONE_MOVE[0] };
         let applies = |criterion: &&Criterion| !(moves && OF_ONE_MOVE.contains(&criterion.column));
         for criterion in self.battery.criteria().filter(applies) {
@@ -116,11 +118,11 @@ impl Tables {
 impl fmt::Display for Tables {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Report { expectations, verdict, .. } = &self.report;
-        for (at, part) in self.random.iter().enumerate() {
+        for (at, (part, moves)) in self.random.iter().enumerate() {
             if at > 0 {
                 writeln!(out)?;
             }
-            self.part(out, part)?;
+            self.part(out, part, *moves)?;
         }
         for sweep in &self.sweeps {
             writeln!(out, "\n{sweep}")?;
