@@ -1,289 +1,263 @@
 //! Compliance and half gap of the transmission, by recursive least squares.
 //!
-//! In contact |z| = kappa |C| + j, with kappa = 1 / K. Twist and transmitted torque are both measured at the motor's
-//! side, so neither contains the friction on the load, which biases the paper's estimate. Both estimates are clamped to
-//! bounds. Process noise on the half gap lets the estimate follow wear; the compliance of a shaft is constant.
+//! In contact on either flank z = kappa (C + o) + j sgn C, with kappa = 1 / K, the observed torque C and the unknown offset o of
+//! the motor's torque. Twist and torque are both measured at the motor's side, so neither contains the friction on the load, which
+//! biases the paper's estimate. One flank can't tell j from kappa o: only both flanks separate them. The deviation of j says so,
+//! because o is an unknown with a stated deviation.
 //!
-//! A sample counts if torque and twist have one sign and the torque is large enough for contact to be certain. The
-//! twist must also be slow: while it moves, every delay between torque and position looks like a piece of gap.
+//! A sample counts if torque and twist have one sign, the torque is large enough for contact to be certain, and motor and twist are
+//! slow, but not at rest: while they accelerate, every delay between torque and position looks like a piece of gap, and at rest the
+//! motor's friction has any direction.
+//!
+//! All unknowns are relative to the machine: torques to its limit U, angles to U / K, times to the period of the motor on the
+//! shaft, 1 / w with w = sqrt(K / J_m). So the constants below hold for a machine of any size.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::law::Real;
 
-/// Variance of the twist of one sample in rad^2. It is large because the errors of samples one period apart are
-/// strongly correlated.
-const SAMPLE_VARIANCE_RAD2: f64 = 2.0;
-/// Variance of the initial half gap in rad^2, and of the compliance relative to the nominal one.
-const INITIAL_VARIANCE: f64 = 0.09;
-/// Standard deviation of j_hat over the square root of its covariance: [`SAMPLE_VARIANCE_RAD2`] sets the gain, not the true
-/// scatter of a sample. Fitted on random plants, so that 95 % of the errors are within two deviations.
-const DEVIATION_SCALE: f64 = 0.12;
-/// Growth of the half gap's variance per sample in rad^2, up to the initial variance. The estimate follows wear within
-/// some ten seconds of contact.
-pub(in crate::control) const GAP_PROCESS_NOISE_RAD2: f64 = 1e-7;
-/// Fraction of a sample's misfit in the mean of the last ones, and the misfit's weight in the deviation. A spring that fits the
-/// model misses by some 15 mrad; one wound with less torque than commanded, by 60 mrad and more.
-const MISFIT_FRACTION: f64 = 0.01;
-const MISFIT_WEIGHT: f64 = 0.27;
+/// Variance of a sample of unit time, from the errors of observer and plant; errors of neighbouring samples are correlated.
+/// Fitted on random plants, so that 95 % of the estimates are within two deviations.
+const SAMPLE_VARIANCE: f64 = 2.3e-6;
+/// The same for each unit of the variance of the encoders' counts.
+const COUNT_VARIANCE: f64 = 0.064;
+/// Growth of a sample's variance with the square of its torque: errors of scale and speed grow with torque.
+const TORQUE_VARIANCE: f64 = 30.0;
+/// Variance of the nominal compliance.
+const COMPLIANCE_VARIANCE: f64 = 0.09;
+/// Deviation of the initial half gap relative to its value, and the least one.
+const INITIAL_DEVIATION: f64 = 1.9;
+const LEAST_INITIAL_DEVIATION: f64 = 0.015;
+/// Growth of the half gap's variance in a unit of time, up to the initial variance. The estimate follows wear within some ten
+/// seconds of contact.
+const DRIFT: f64 = 1.1e-10;
 /// Range of the compliance relative to the nominal one.
 const COMPLIANCE_RANGE: (f64, f64) = (0.5, 2.0);
-/// Largest rate of the twist in rad/s at which a sample counts.
-const FASTEST_TWIST_RAD_S: f64 = 3.0;
+/// Smallest torque at which a sample counts, besides [`CERTAIN_DEVIATIONS`] of the offset.
+const LEAST_TORQUE: f64 = 0.012;
+const CERTAIN_DEVIATIONS: f64 = 2.0;
+/// Largest rate of the twist at which a sample counts.
+const FASTEST_TWIST: f64 = 0.005;
+/// Torque of the motor's acceleration, and rate of the twist, up to which the motor is balanced, and the periods in a row before a
+/// sample counts: otherwise the lag of the observer turns acceleration into a piece of gap.
+const BALANCE: f64 = 0.03;
+const BALANCED_TWIST: f64 = 0.0066;
+const BALANCED_PERIODS: u32 = 19;
+/// Fraction of the motor's dry friction, and motor velocity relative to [`BALANCED_TWIST`], from which its direction is certain.
+const CERTAIN_FRICTION: f64 = 0.99;
+const MOVING_MOTOR: f64 = 0.02;
+/// Fraction of a sample's misfit in the mean of the last ones, and the misfit's weight in the deviation.
+const MISFIT_FRACTION: f64 = 0.01;
+const MISFIT_WEIGHT: f64 = 0.27;
+/// Fraction of the motor's Coulomb friction that counts as unknown.
+const FRICTION_UNKNOWN: f64 = 0.3;
 
-/// Mean misfit in rad after a sample whose twist differs from its prediction by `error_rad`.
-pub(in crate::control) fn mean_misfit_rad<F: Real>(misfit_rad: F, error_rad: F) -> F {
-    misfit_rad + F::from_f64(MISFIT_FRACTION) * (error_rad.abs() - misfit_rad)
-}
-
-/// Prior values and bounds.
+/// What the identification needs to know of the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::control) struct Identification<F> {
-    /// Nominal compliance 1 / K in rad/(N m).
-    pub(in crate::control) nominal_rad_nm: F,
+pub(in crate::control) struct Machine<F> {
+    /// Nominal stiffness K in N m/rad.
+    pub(in crate::control) stiffness_nm_rad: F,
+    /// Inertia of the motor in kg m^2.
+    pub(in crate::control) motor_inertia_kg_m2: F,
+    /// Coulomb friction of the motor in N m.
+    pub(in crate::control) motor_coulomb_nm: F,
+    /// Torque limit in N m.
+    pub(in crate::control) torque_limit_nm: F,
+    /// Standard deviation of the torque's offset, relative to the limit.
+    pub(in crate::control) offset_deviation: F,
+    /// Standard deviation of the torque that repeats in every move, relative to the limit.
+    pub(in crate::control) ripple_deviation: F,
+    /// One count of the motor encoder, in rad of twist.
+    pub(in crate::control) motor_count_rad: F,
+    /// One count of the load encoder, in rad of twist.
+    pub(in crate::control) load_count_rad: F,
     /// Half gap at the start in rad.
     pub(in crate::control) initial_rad: F,
     /// Largest half gap in rad.
     pub(in crate::control) max_rad: F,
-    /// Smallest transmitted torque in N m at which a sample counts.
-    pub(in crate::control) min_torque_nm: F,
-    /// Growth of the half gap's variance per sample in rad^2; zero gives plain least squares.
-    pub(in crate::control) process_noise_rad2: F,
+    /// Control period in s.
+    pub(in crate::control) period_s: F,
+}
+
+/// Prior values and bounds, relative to the machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::control) struct Identification<F> {
+    /// U, U / K, and their quotients.
+    per_torque_1_nm: F,
+    twist_rad: F,
+    per_twist_1_rad: F,
+    nominal_rad_nm: F,
+    sample_variance: F,
+    drift: F,
+    initial: F,
+    initial_variance: F,
+    max: F,
+    offset_variance: F,
+    /// Variance that contacts don't reduce: counts, and the repeating torques for a compliance of 1.
+    count_variance: F,
+    torque_variance: F,
+    fastest_twist_rad_s: F,
+    balance_nm: F,
+    balanced_twist_rad_s: F,
+    moving_motor_rad_s: F,
+}
+
+/// The motor and the shaft at one sample, all behind the lag of the observer of the transmitted torque but the last two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::control) struct ShaftSample<F> {
+    /// Observed transmitted torque in N m.
+    pub(in crate::control) transmitted_nm: F,
+    /// Torque in N m that accelerates the motor.
+    pub(in crate::control) accelerating_nm: F,
+    /// Twist in rad and its rate in rad/s.
+    pub(in crate::control) twist_rad: F,
+    /// Rate of the twist in rad/s.
+    pub(in crate::control) twist_rate_rad_s: F,
+    /// Velocity of the motor in rad/s.
+    pub(in crate::control) motor_velocity_rad_s: F,
+    /// Fraction of the motor's dry friction, -1 to 1.
+    pub(in crate::control) friction: F,
 }
 
 /// The estimates and their covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::control) struct Estimate<F: Real> {
-    /// Compliance in rad/(N m), half gap in rad.
-    parameters: Vector2<F>,
-    covariance: Matrix2<F>,
+    /// Compliance, half gap, twist by the offset.
+    parameters: Vector3<F>,
+    covariance: Matrix3<F>,
+    misfit: F,
+    balanced_periods: u32,
 }
 
-impl<F: Real> Estimate<F> {
+/// What the identification knows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::control) struct Gap<F> {
     /// Compliance kappa in rad/(N m).
-    pub(in crate::control) fn compliance_rad_nm(&self) -> F {
-        self.parameters.x
-    }
-
+    pub(in crate::control) compliance_rad_nm: F,
     /// Half gap j_hat in rad.
-    pub(in crate::control) fn dead_zone_rad(&self) -> F {
-        self.parameters.y
-    }
+    pub(in crate::control) dead_zone_rad: F,
 }
 
 impl<F: Real> Identification<F> {
+    /// The identification for a machine.
+    pub(in crate::control) fn new(machine: &Machine<F>) -> Self {
+        let square = |value: F| value * value;
+        let limit = machine.torque_limit_nm;
+        // A drive without torque learns nothing; its unit is then arbitrary.
+        let unit_nm = if limit > F::ZERO { limit } else { F::ONE };
+        let twist_rad = unit_nm / machine.stiffness_nm_rad;
+        let rate = (machine.stiffness_nm_rad / machine.motor_inertia_kg_m2).sqrt();
+        let per_twist = F::ONE / twist_rad;
+        let counts = square(machine.motor_count_rad * per_twist) + square(machine.load_count_rad * per_twist);
+        let period = rate * machine.period_s;
+        let initial = machine.initial_rad * per_twist;
+        let deviation = F::from_f64(INITIAL_DEVIATION) * initial;
+        let least = F::from_f64(LEAST_INITIAL_DEVIATION);
+        let initial_deviation = if deviation > least { deviation } else { least };
+        let friction = F::from_f64(FRICTION_UNKNOWN) * machine.motor_coulomb_nm / unit_nm;
+        Self {
+            per_torque_1_nm: F::ONE / unit_nm,
+            twist_rad,
+            per_twist_1_rad: per_twist,
+            nominal_rad_nm: F::ONE / machine.stiffness_nm_rad,
+            sample_variance: (F::from_f64(SAMPLE_VARIANCE) + F::from_f64(COUNT_VARIANCE) * counts) / period,
+            drift: F::from_f64(DRIFT) * period,
+            initial,
+            initial_variance: square(initial_deviation),
+            max: machine.max_rad * per_twist,
+            offset_variance: square(machine.offset_deviation),
+            count_variance: F::from_f64(0.25) * counts,
+            torque_variance: square(machine.ripple_deviation) + square(friction),
+            fastest_twist_rad_s: F::from_f64(FASTEST_TWIST) * rate * twist_rad,
+            balance_nm: F::from_f64(BALANCE) * unit_nm,
+            balanced_twist_rad_s: F::from_f64(BALANCED_TWIST) * rate * twist_rad,
+            moving_motor_rad_s: F::from_f64(MOVING_MOTOR * BALANCED_TWIST) * rate * twist_rad,
+        }
+    }
+
     /// The prior values.
     pub(in crate::control) fn initial_estimate(&self) -> Estimate<F> {
-        let variance = F::from_f64(INITIAL_VARIANCE);
-        let nominal = self.nominal_rad_nm;
+        let variances =
+            Vector3::new(F::from_f64(COMPLIANCE_VARIANCE), self.initial_variance, self.offset_variance);
         Estimate {
-            parameters: Vector2::new(nominal, self.initial_rad),
-            covariance: Matrix2::new(variance * nominal * nominal, F::ZERO, F::ZERO, variance),
+            parameters: Vector3::new(F::ONE, self.initial, F::ZERO),
+            covariance: Matrix3::from_diagonal(&variances),
+            misfit: F::ZERO,
+            balanced_periods: 0,
         }
     }
 
-    /// Updates the estimate by one sample, if the sample counts. Returns the twist less its prediction in rad.
+    /// Updates the estimate by one sample, if the sample counts and the law doesn't hold.
     // Two laws step it: out of line, the call costs each of them some ten instructions.
     #[inline(always)]
-    pub(in crate::control) fn step(
-        &self,
-        estimate: &mut Estimate<F>,
-        transmitted_nm: F,
-        twist_rad: F,
-        twist_rate_rad_s: F,
-    ) -> Option<F> {
-        let torque = transmitted_nm.abs();
-        let counts = torque > self.min_torque_nm
-            && transmitted_nm * twist_rad > F::ZERO
-            && twist_rate_rad_s.abs() < F::from_f64(FASTEST_TWIST_RAD_S);
-        counts.then(|| self.update(estimate, torque, twist_rad.abs()))
-    }
-
-    /// Standard deviation of j_hat in rad by the samples alone, without the prior value; one radian when nothing is learnt.
-    /// Samples that contradict the model, such as those of a motor with less torque than commanded, add their misfit.
-    pub(in crate::control) fn dead_zone_deviation_rad(&self, estimate: &Estimate<F>, misfit_rad: F) -> F {
-        let variance = estimate.covariance.m22;
-        let samples = F::ONE - variance / F::from_f64(INITIAL_VARIANCE);
-        let scale = F::from_f64(DEVIATION_SCALE * DEVIATION_SCALE);
-        if samples <= variance * scale {
-            return F::ONE;
+    pub(in crate::control) fn step(&self, estimate: &mut Estimate<F>, sample: &ShaftSample<F>, holds: bool) {
+        let rate = sample.twist_rate_rad_s.abs();
+        let balanced = sample.accelerating_nm.abs() < self.balance_nm && rate < self.balanced_twist_rad_s;
+        estimate.balanced_periods =
+            if balanced { (estimate.balanced_periods + 1).min(BALANCED_PERIODS) } else { 0 };
+        // A motor at rest, or about to turn back, has a friction of unknown direction.
+        let turns = sample.friction.abs() > F::from_f64(CERTAIN_FRICTION)
+            && sample.motor_velocity_rad_s.abs() > self.moving_motor_rad_s;
+        let in_contact = sample.transmitted_nm * sample.twist_rad > F::ZERO;
+        if holds || !turns || !in_contact || estimate.balanced_periods < BALANCED_PERIODS {
+            return;
         }
-        let misfit = F::from_f64(MISFIT_WEIGHT) * misfit_rad;
-        (scale * variance / samples + misfit * misfit).sqrt()
+        let torque = self.per_torque_1_nm * sample.transmitted_nm;
+        let offset_deviation = estimate.covariance.m33.sqrt() / estimate.parameters.x;
+        let least = F::from_f64(LEAST_TORQUE) + F::from_f64(CERTAIN_DEVIATIONS) * offset_deviation;
+        if torque.abs() > least && rate < self.fastest_twist_rad_s {
+            self.update(estimate, torque, self.per_twist_1_rad * sample.twist_rad);
+        }
     }
 
-    fn update(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) -> F {
-        let regressor = Vector2::new(torque_nm, F::ONE);
+    fn update(&self, estimate: &mut Estimate<F>, torque: F, twist: F) {
+        let regressor = Vector3::new(torque, torque.sign(), F::ONE);
         let spread = estimate.covariance * regressor;
-        let gain = spread / (F::from_f64(SAMPLE_VARIANCE_RAD2) + regressor.dot(&spread));
-        let error = twist_rad - estimate.parameters.dot(&regressor);
+        let variance = self.sample_variance * (F::ONE + F::from_f64(TORQUE_VARIANCE) * torque * torque);
+        let gain = spread / (variance + regressor.dot(&spread));
+        let error = twist - estimate.parameters.dot(&regressor);
+        estimate.misfit += F::from_f64(MISFIT_FRACTION) * (error.abs() - estimate.misfit);
         estimate.covariance -= gain * spread.transpose();
         estimate.parameters += gain * error;
-        if estimate.covariance.m22 < F::from_f64(INITIAL_VARIANCE) {
-            estimate.covariance.m22 += self.process_noise_rad2;
+        if estimate.covariance.m22 < self.initial_variance {
+            estimate.covariance.m22 += self.drift;
         }
+        // Rounding must not make a variance negative.
+        if estimate.covariance.m33 < F::ZERO {
+            estimate.covariance.m33 = F::ZERO;
+        }
+        // A compliance beyond its range is moved to the end of it, and gap and offset with it, as their covariance says: the
+        // samples that moved it then still agree with them.
         let (low, high) = COMPLIANCE_RANGE;
-        let nominal = self.nominal_rad_nm;
-        estimate.parameters.x =
-            estimate.parameters.x.clamp(F::from_f64(low) * nominal, F::from_f64(high) * nominal);
-        estimate.parameters.y = estimate.parameters.y.clamp(F::ZERO, self.max_rad);
-        error
+        let compliance = estimate.parameters.x.clamp(F::from_f64(low), F::from_f64(high));
+        if compliance != estimate.parameters.x && estimate.covariance.m11 > F::ZERO {
+            let moved = (compliance - estimate.parameters.x) / estimate.covariance.m11;
+            estimate.parameters += estimate.covariance.column(0) * moved;
+            estimate.parameters.x = compliance;
+        }
+        estimate.parameters.y = estimate.parameters.y.clamp(F::ZERO, self.max);
+    }
+
+    /// Compliance and half gap.
+    pub(in crate::control) fn gap(&self, estimate: &Estimate<F>) -> Gap<F> {
+        Gap {
+            compliance_rad_nm: self.nominal_rad_nm * estimate.parameters.x,
+            dead_zone_rad: self.twist_rad * estimate.parameters.y,
+        }
+    }
+
+    /// Standard deviation of j_hat in rad: that of the regression, with the unknown offset of the torque, and what no number of
+    /// equal contacts reduces: counts, ripple and friction of the motor, and the misfit of samples that contradict the model.
+    pub(in crate::control) fn dead_zone_deviation_rad(&self, estimate: &Estimate<F>) -> F {
+        let compliance = estimate.parameters.x;
+        let misfit = F::from_f64(MISFIT_WEIGHT) * estimate.misfit;
+        let variance = estimate.covariance.m22
+            + self.count_variance
+            + compliance * compliance * self.torque_variance
+            + misfit * misfit;
+        self.twist_rad * variance.sqrt()
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn identification() -> Identification<f64> {
-        Identification {
-            nominal_rad_nm: 1.0,
-            initial_rad: 0.3,
-            max_rad: 0.8,
-            min_torque_nm: 0.4,
-            process_noise_rad2: 0.0,
-        }
-    }
-
-    /// Torques that wind the spring on both sides.
-    fn torque_nm(k: i32) -> f64 {
-        3.0 * (f64::from(k) * 1e-3).sin()
-    }
-
-    fn estimate_after(samples: i32, twist_rad: impl Fn(f64) -> f64) -> Estimate<f64> {
-        let identification = identification();
-        let mut estimate = identification.initial_estimate();
-        for torque in (0..samples).map(torque_nm) {
-            identification.step(&mut estimate, torque, twist_rad(torque), 0.0);
-        }
-        estimate
-    }
-
-    #[test]
-    fn contact_on_both_sides_identifies_gap_and_compliance() {
-        let estimate = estimate_after(20_000, |torque| 1.3 * torque + 0.1 * torque.signum());
-        let (compliance, gap) = (estimate.compliance_rad_nm(), estimate.dead_zone_rad());
-        assert!((compliance - 1.3).abs() < 2e-3, "have {compliance} rad/(N m), want 1.3");
-        assert!((gap - 0.1).abs() < 4e-3, "have {gap} rad, want 0.1");
-    }
-
-    #[test]
-    fn deviation_shrinks_with_samples_and_grows_with_their_misfit() {
-        let identification = identification();
-        let deviation = |samples, twist_rad: fn(f64) -> f64| {
-            let (mut estimate, mut misfit_rad) = (identification.initial_estimate(), 0.0);
-            for torque in (0..samples).map(torque_nm) {
-                if let Some(error) = identification.step(&mut estimate, torque, twist_rad(torque), 0.0) {
-                    misfit_rad = mean_misfit_rad(misfit_rad, error);
-                }
-            }
-            identification.dead_zone_deviation_rad(&estimate, misfit_rad)
-        };
-        assert_eq!(deviation(0, |torque| torque), 1.0, "nothing learnt");
-        let few = deviation(400, |torque| torque + 0.1 * torque.signum());
-        let many = deviation(20_000, |torque| torque + 0.1 * torque.signum());
-        assert!(many < 0.005 && few > 3.0 * many, "{few} rad, then {many} rad");
-        let stiff = deviation(20_000, |torque| 0.2 * torque);
-        let limited = deviation(20_000, |torque| torque.clamp(-1.0, 1.0) + 0.1 * torque.signum());
-        assert!(
-            stiff > 0.05 && limited > 0.05,
-            "{stiff} rad beyond the compliance's range, {limited} rad at 1 N m"
-        );
-    }
-
-    #[test]
-    fn recursion_equals_the_batch_solution() {
-        // The recursion without bounds is the solution of (P0^-1 + sum phi phi' / R) x = P0^-1 x0 + sum phi y / R.
-        let twist = |torque: f64| 1.2 * torque.abs() + 0.1 + 0.02 * (17.0 * torque).sin();
-        let prior = identification().initial_estimate();
-        let mut information = prior.covariance.map_diagonal(|variance| 1.0 / variance);
-        let mut normal = Matrix2::from_diagonal(&information);
-        information.component_mul_assign(&prior.parameters);
-        let mut estimate = prior;
-        for torque in (0..5000).map(torque_nm).filter(|torque| torque.abs() > 0.4) {
-            let regressor = Vector2::new(torque.abs(), 1.0);
-            normal += regressor * regressor.transpose() / SAMPLE_VARIANCE_RAD2;
-            information += regressor * twist(torque) / SAMPLE_VARIANCE_RAD2;
-            identification().step(&mut estimate, torque, twist(torque) * torque.signum(), 0.0);
-        }
-        // Cramer's rule: nalgebra's inverse needs its own trait for reals.
-        let determinant = normal.m11 * normal.m22 - normal.m12 * normal.m21;
-        let compliance = (normal.m22 * information.x - normal.m12 * information.y) / determinant;
-        let gap = (normal.m11 * information.y - normal.m21 * information.x) / determinant;
-        assert!((estimate.compliance_rad_nm() - compliance).abs() < 1e-9, "{estimate:?}, want {compliance}");
-        assert!((estimate.dead_zone_rad() - gap).abs() < 1e-9, "{estimate:?}, want {gap}");
-    }
-
-    #[test]
-    fn estimates_stay_in_their_bounds_for_any_measurement() {
-        let identification = identification();
-        // Far too compliant, far too stiff, and noise of no physical transmission.
-        let twists: [fn(f64) -> f64; 3] = [
-            |torque| 9.0 * torque,
-            |torque| 0.01 * torque,
-            |torque| torque * (1e4 * torque).sin().abs() * 50.0,
-        ];
-        let (mut lowest, mut highest) = ([f64::MAX; 2], [f64::MIN; 2]);
-        for twist in twists {
-            let mut estimate = identification.initial_estimate();
-            for torque in (0..20_000).map(torque_nm) {
-                identification.step(&mut estimate, torque, twist(torque), 0.0);
-                for (of, have) in
-                    [estimate.compliance_rad_nm(), estimate.dead_zone_rad()].into_iter().enumerate()
-                {
-                    lowest[of] = lowest[of].min(have);
-                    highest[of] = highest[of].max(have);
-                }
-            }
-        }
-        assert_eq!((lowest, highest), ([0.5, 0.0], [2.0, 0.8]), "the bounds are reached and not exceeded");
-    }
-
-    #[test]
-    fn samples_off_contact_of_low_torque_or_in_fast_motion_do_not_count() {
-        let identification = identification();
-        let mut estimate = identification.initial_estimate();
-        identification.step(&mut estimate, 2.0, -1.0, 0.0);
-        identification.step(&mut estimate, 0.3, 1.0, 0.0);
-        identification.step(&mut estimate, 2.0, 1.0, -3.5);
-        assert_eq!(estimate, identification.initial_estimate());
-        identification.step(&mut estimate, 2.0, 1.0, -2.5);
-        assert_ne!(estimate, identification.initial_estimate());
-    }
-
-    #[test]
-    fn the_estimate_follows_a_gap_that_wears() {
-        let identification =
-            Identification { process_noise_rad2: GAP_PROCESS_NOISE_RAD2, ..identification() };
-        let mut estimate = identification.initial_estimate();
-        let mut error_after = |samples: core::ops::Range<i32>, gap_rad: f64| {
-            for torque in samples.map(torque_nm) {
-                identification.step(&mut estimate, torque, torque + gap_rad * torque.signum(), 0.0);
-            }
-            estimate.dead_zone_rad() - gap_rad
-        };
-        assert!(error_after(0..60_000, 0.1).abs() < 2e-3);
-        let (at_once, later) = (error_after(60_000..60_010, 0.3), error_after(60_010..90_000, 0.3));
-        assert!(at_once < -0.19 && later.abs() < 0.02, "{at_once} rad, half a minute later {later} rad");
-    }
-
-    #[test]
-    fn a_million_samples_at_one_torque_keep_single_precision_stable() {
-        let identification = Identification {
-            nominal_rad_nm: 1.0_f32,
-            initial_rad: 0.3,
-            max_rad: 0.8,
-            min_torque_nm: 0.4,
-            process_noise_rad2: GAP_PROCESS_NOISE_RAD2 as f32,
-        };
-        let mut estimate = identification.initial_estimate();
-        for _ in 0..1_000_000 {
-            identification.step(&mut estimate, 1.5, 1.75, 0.0);
-        }
-        // One torque gives one equation: the error splits in the ratio of the variances.
-        let twist = estimate.compliance_rad_nm() * 1.5 + estimate.dead_zone_rad();
-        assert!((twist - 1.75).abs() < 5e-4, "{estimate:?} predicts {twist} rad");
-        assert!(estimate.covariance.m11 > 0.0 && estimate.covariance.m22 > 0.0, "{estimate:?}");
-        assert!((estimate.dead_zone_rad() - (0.3 - 0.05 / 3.25)).abs() < 1e-3, "{estimate:?}");
-    }
-}
+mod tests;

@@ -48,13 +48,19 @@ pub(in crate::control) struct ObservedLoad<F> {
     pub(in crate::control) disturbance_nm: F,
     /// Transmitted torque at the motor in N m.
     pub(in crate::control) transmitted_nm: F,
+    /// Measured minus observed position in rad.
+    pub(in crate::control) position_error_rad: F,
 }
 
 impl<F: Real> LoadObserverState<F> {
     /// The load after the last sample, which came with this transmitted torque.
     pub(in crate::control) fn observed(&self, transmitted_nm: F) -> ObservedLoad<F> {
-        let (velocity_rad_s, disturbance_nm) = (self.velocity_rad_s, self.disturbance_nm);
-        ObservedLoad { velocity_rad_s, disturbance_nm, transmitted_nm }
+        ObservedLoad {
+            velocity_rad_s: self.velocity_rad_s,
+            disturbance_nm: self.disturbance_nm,
+            transmitted_nm,
+            position_error_rad: self.error_rad,
+        }
     }
 }
 

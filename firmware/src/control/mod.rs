@@ -23,7 +23,8 @@
 //! | `lag` | gain of a first-order lag |
 //! | `load_observer` | load velocity from counts |
 //! | `motor_friction` | direction of the motor's dry friction |
-//! | `gap_identification` | compliance and half gap by recursive least squares |
+//! | `gap_identification` | compliance, half gap and the torque's offset by recursive least squares |
+//! | [`torque_knowledge`] | what is known of the torque's offset and cogging |
 //! | [`sensing`] | encoder counts to [`Measurement`](crate::law::Measurement) |
 //! | `encoder_channel` | one encoder: wraparound, position, velocity filter |
 //! | `reference_rates` | velocity and acceleration of the reference |
@@ -53,3 +54,4 @@ mod reference_rates;
 pub mod sensing;
 #[cfg(test)]
 mod tests;
+pub mod torque_knowledge;

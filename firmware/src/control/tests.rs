@@ -28,6 +28,7 @@ fn backlash_inverse() -> Step {
     let setting = BacklashInverseSetting {
         momentum_observer_rad_s: 60.0,
         dead_zone: DeadZoneBounds::default(),
+        motor_resolution_rad: 1e-6,
         load_resolution_rad: 1e-4,
         torque_limit_nm: 20.0,
         period_s: 1e-3,

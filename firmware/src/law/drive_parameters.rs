@@ -42,6 +42,12 @@ impl DriveParameters {
         self.period_us as f32 * 1e-6
     }
 
+    /// One count of the motor encoder in rad.
+    #[must_use]
+    pub fn motor_resolution_rad(&self) -> f32 {
+        TAU / self.motor_counts_per_rev as f32
+    }
+
     /// One count of the load encoder in rad.
     #[must_use]
     pub fn load_resolution_rad(&self) -> f32 {

@@ -5,9 +5,10 @@ use std::fmt;
 use lashloop_firmware::control::backlash_inverse::{
     BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
 };
-use lashloop_firmware::control::braking_curve::{BrakingCurve, BrakingCurveGains, BrakingCurveSetting};
+use lashloop_firmware::control::braking_curve::{BrakingCurve, BrakingCurveSetting, BrakingCurveTuning};
 use lashloop_firmware::control::dead_zone_observer::DeadZoneBounds;
 use lashloop_firmware::control::nominal_model::NominalModel;
+use lashloop_firmware::control::torque_knowledge::TorqueKnowledge;
 use lashloop_firmware::law::Real;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, PlantError, Start, TransportDelay, Truth, TwoMass};
@@ -66,10 +67,12 @@ impl DriveTrain {
     /// the gap itself.
     pub(crate) fn backlash_inverse<F: Real>(&self) -> Law<F> {
         let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::default() };
+        let count_rad = self.count_rad();
         let setting = BacklashInverseSetting {
             momentum_observer_rad_s: F::from_f64(60.0),
             dead_zone: DeadZoneBounds::default(),
-            load_resolution_rad: F::from_f64(core::f64::consts::TAU / f64::from(self.counts)),
+            motor_resolution_rad: count_rad,
+            load_resolution_rad: count_rad,
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
             period_s: F::from_f64(1e-3),
         };
@@ -80,14 +83,28 @@ impl DriveTrain {
     /// The braking curve, likewise.
     pub(crate) fn braking_curve<F: Real>(&self) -> Law<F> {
         let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::default() };
+        let count_rad = self.count_rad();
         let setting = BrakingCurveSetting {
-            dead_zone: DeadZoneBounds::default(),
-            load_resolution_rad: F::from_f64(core::f64::consts::TAU / f64::from(self.counts)),
+            motor_resolution_rad: count_rad,
+            load_resolution_rad: count_rad,
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
+            motor_speed_limit_rad_s: F::from_f64(1000.0),
             period_s: F::from_f64(1e-3),
         };
-        let law = BrakingCurve::new(&model, BrakingCurveGains::default(), setting);
+        // The torque of this drive train is exact.
+        let exact = TorqueKnowledge {
+            torque_offset_deviation: F::ZERO,
+            torque_ripple_deviation: F::ZERO,
+            ..TorqueKnowledge::default()
+        };
+        let (tuning, bounds) = (BrakingCurveTuning::default(), DeadZoneBounds::default());
+        let law = BrakingCurve::new(&model, &tuning, &exact, &bounds, &setting);
         Law::BrakingCurve(law.expect("valid law"))
+    }
+
+    /// One count of either encoder.
+    fn count_rad<F: Real>(&self) -> F {
+        F::from_f64(core::f64::consts::TAU / f64::from(self.counts))
     }
 
     /// The drive's encoders and velocity filters.

@@ -4,7 +4,7 @@ use super::gains::BacklashInverseGains;
 use super::load_loop::{LoadLoop, LoadLoopState};
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone_observer::DeadZoneBounds;
-use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
+use crate::control::gap_identification::{Estimate, Gap, Identification, Machine, ShaftSample};
 use crate::control::lag::alpha;
 use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
@@ -19,6 +19,8 @@ pub struct BacklashInverseSetting<F> {
     pub momentum_observer_rad_s: F,
     /// Start and upper bound of the dead-zone estimate.
     pub dead_zone: DeadZoneBounds<F>,
+    /// One count of the motor encoder in rad.
+    pub motor_resolution_rad: F,
     /// One count of the load encoder in rad.
     pub load_resolution_rad: F,
     /// Torque limit of the drive in N m, which bounds the transmitted torque too.
@@ -83,13 +85,20 @@ impl<F: Real> BacklashInverse<F> {
                 .clamp(-setting.torque_limit_nm, setting.torque_limit_nm),
             ..gains
         };
-        let identification = Identification {
-            nominal_rad_nm: F::ONE / model.stiffness_nm_rad,
+        // This law takes its torque as exact, and reports no deviation.
+        let identification = Identification::new(&Machine {
+            stiffness_nm_rad: model.stiffness_nm_rad,
+            motor_inertia_kg_m2: model.motor_inertia_kg_m2,
+            motor_coulomb_nm: model.motor_coulomb_nm,
+            torque_limit_nm: setting.torque_limit_nm,
+            offset_deviation: F::ZERO,
+            ripple_deviation: F::ZERO,
+            motor_count_rad: setting.motor_resolution_rad,
+            load_count_rad: model.reduction_ratio * setting.load_resolution_rad,
             initial_rad: setting.dead_zone.dead_zone_initial_rad,
             max_rad: setting.dead_zone.dead_zone_max_rad,
-            min_torque_nm: gains.identification_min_nm,
-            process_noise_rad2: F::from_f64(GAP_PROCESS_NOISE_RAD2),
-        };
+            period_s,
+        });
         Ok(Self {
             model: *model,
             gains,
@@ -112,25 +121,33 @@ impl<F: Real> BacklashInverse<F> {
         let m = measurement;
         let observers = self.observers.get_or_insert_with(|| Observers::at(m));
 
-        let coulomb_nm = self.model.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
+        let friction = observers.motor_friction.step(m.motor_position_rad);
+        let coulomb_nm = self.model.motor_coulomb_nm * friction;
         let transmitted_nm = self.momentum.step_against(&mut self.momentum_balance_nm, m, coulomb_nm);
         let load_velocity = self.load_observer.step(&mut observers.load, m.load_position_rad, transmitted_nm);
 
         let behind_rad = m.twist_rad - observers.twist_rad;
         let lagging_twist = observers.twist_rad + self.twist_alpha * behind_rad;
         observers.twist_rad = lagging_twist;
-        if !self.load_loop_state.holding {
-            let twist_rate = self.twist_pole_rad_s * (m.twist_rad - lagging_twist);
-            self.identification.step(&mut self.estimate, transmitted_nm, lagging_twist, twist_rate);
-        }
+        let viscous_nm = self.model.motor_friction_nm_s_rad * m.motor_velocity_rad_s;
+        let sample = ShaftSample {
+            transmitted_nm,
+            accelerating_nm: m.applied_torque_nm - viscous_nm - coulomb_nm - transmitted_nm,
+            twist_rad: lagging_twist,
+            twist_rate_rad_s: self.twist_pole_rad_s * (m.twist_rad - lagging_twist),
+            motor_velocity_rad_s: m.motor_velocity_rad_s,
+            friction,
+        };
+        let holds = self.load_loop_state.holding || transmitted_nm.abs() < self.gains.identification_min_nm;
+        self.identification.step(&mut self.estimate, &sample, holds);
 
         let wanted_nm = self.load_loop.step(&mut self.load_loop_state, m, load_velocity);
-        let compliance = self.estimate.compliance_rad_nm();
-        let dead_zone = self.estimate.dead_zone_rad();
+        let Gap { compliance_rad_nm: compliance, dead_zone_rad: dead_zone } =
+            self.identification.gap(&self.estimate);
         let side = (self.per_crossing_nm * wanted_nm).clamp(-F::ONE, F::ONE);
         let twist_error = m.twist_rad - (compliance * wanted_nm + dead_zone * side);
         let twist_velocity = m.motor_velocity_rad_s - self.model.reduction_ratio * load_velocity;
-        let torque = wanted_nm + self.model.motor_friction_nm_s_rad * m.motor_velocity_rad_s
+        let torque = wanted_nm + viscous_nm
             - self.gains.twist_gain_nm_rad * twist_error
             - self.gains.twist_damping_nm_s_rad * twist_velocity;
         let stiffness = F::ONE / compliance;
@@ -158,6 +175,7 @@ impl ControlLaw for BacklashInverse {
         let setting = BacklashInverseSetting {
             momentum_observer_rad_s: pole.momentum_observer_rad_s,
             dead_zone,
+            motor_resolution_rad: drive.motor_resolution_rad(),
             load_resolution_rad: drive.load_resolution_rad(),
             torque_limit_nm: drive.torque_limit_nm,
             period_s: drive.period_s(),

@@ -15,6 +15,7 @@ fn setting() -> BacklashInverseSetting<f64> {
     BacklashInverseSetting {
         momentum_observer_rad_s: 60.0,
         dead_zone: DeadZoneBounds::default(),
+        motor_resolution_rad: 1e-6,
         load_resolution_rad: LSB_RAD,
         torque_limit_nm: 20.0,
         period_s: 1e-3,
@@ -99,7 +100,13 @@ fn load_friction_does_not_bias_the_gap_estimate() {
     for k in 0..40_000 {
         let torque = 3.0 * (f64::from(k) * 5e-4).sin();
         let twist = torque + 0.1 * torque.signum();
-        let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::default() };
+        let wound = Measurement {
+            applied_torque_nm: torque,
+            twist_rad: twist,
+            motor_position_rad: twist,
+            motor_velocity_rad_s: 1.5 * (f64::from(k) * 5e-4).cos(),
+            ..Measurement::default()
+        };
         output = Some(law.step(&Measurement { load_position_rad: -0.5, ..wound }));
     }
     let have = output.expect("stepped").signals.dead_zone_estimate_rad;
@@ -108,10 +115,23 @@ fn load_friction_does_not_bias_the_gap_estimate() {
 
 #[test]
 fn the_estimate_is_frozen_during_a_hold() {
-    let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::default() };
-    assert_eq!(output_after(wound, 5000).signals.dead_zone_estimate_rad, 0.16, "a hold on the reference");
-    let off_reference = Measurement { load_position_rad: 0.1, ..wound };
-    assert!(output_after(off_reference, 5000).signals.dead_zone_estimate_rad > 0.2, "off the reference");
+    let estimate_rad_at = |load_position_rad: f64| {
+        let mut law = law();
+        let output = (0..5000).map(|k| {
+            law.step(&Measurement {
+                load_position_rad,
+                twist_rad: 3.0,
+                applied_torque_nm: 1.5,
+                motor_position_rad: 1e-3 * f64::from(k),
+                motor_velocity_rad_s: 1.0,
+                ..Measurement::default()
+            })
+        });
+        output.last().expect("stepped").signals.dead_zone_estimate_rad
+    };
+    assert_eq!(estimate_rad_at(0.0), 0.16, "a hold on the reference");
+    let off_reference_rad = estimate_rad_at(0.1);
+    assert!(off_reference_rad > 0.2, "{off_reference_rad} rad off the reference");
 }
 
 #[test]

@@ -13,18 +13,19 @@ use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
 use crate::law::Real;
 
-/// Inertia in nominal inertias up to which the factor is 1. The impulse of unknown friction adds up to a quarter.
-const TOLERATED: f64 = 1.35;
+/// Inertia in nominal inertias up to which the factor is 1. The impulse of unknown friction adds up to a quarter, so that a load
+/// within 30 % brakes earlier by at most half.
+const TOLERATED: f64 = 1.12;
 /// Largest factor.
 const HEAVIEST: f64 = 3.0;
-/// Load velocity in rad/s from which the momentum is much larger than its error.
-const MOVING_RAD_S: f64 = 0.6;
-/// Load velocity in rad/s beyond which the uncertain viscous friction outweighs the momentum.
-const FAST_RAD_S: f64 = 1.3;
-/// Load velocity in rad/s below which the momentum starts anew.
-const RESTING_RAD_S: f64 = 0.05;
-/// Bandwidth of the factor in rad/s.
-const FOLLOW_RAD_S: f64 = 50.0;
+/// Load velocity from which the momentum is much larger than its error, relative to the velocity at which the curve's root ends.
+const MOVING: f64 = 0.93;
+/// That beyond which the uncertain viscous friction outweighs the momentum.
+const FAST: f64 = 2.0;
+/// That below which the momentum starts anew.
+const RESTING: f64 = 0.078;
+/// Bandwidth of the factor relative to the slope of the curve.
+const FOLLOW: f64 = 5.5;
 
 /// The estimate with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +34,10 @@ pub(super) struct InertiaFactor<F> {
     friction_nm_s_rad: F,
     coulomb_nm: F,
     per_tolerated_kg_m2: F,
+    moving_rad_s: F,
+    fast_rad_s: F,
+    resting_rad_s: F,
+    following: F,
     period_s: F,
 }
 
@@ -46,12 +51,23 @@ pub(super) struct InertiaFactorState<F> {
 }
 
 impl<F: Real> InertiaFactor<F> {
-    pub(super) fn new(model: &NominalModel<F>, coulomb_nm: F, period_s: F) -> Self {
+    /// `speed_rad_s` is the load velocity at which the root of the braking curve ends, and `rate_1_s` its slope there.
+    pub(super) fn new(
+        model: &NominalModel<F>,
+        coulomb_nm: F,
+        speed_rad_s: F,
+        rate_1_s: F,
+        period_s: F,
+    ) -> Self {
         Self {
             ratio: model.reduction_ratio,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
             coulomb_nm,
             per_tolerated_kg_m2: F::ONE / (F::from_f64(TOLERATED) * model.load_inertia_kg_m2),
+            moving_rad_s: F::from_f64(MOVING) * speed_rad_s,
+            fast_rad_s: F::from_f64(FAST) * speed_rad_s,
+            resting_rad_s: F::from_f64(RESTING) * speed_rad_s,
+            following: (F::from_f64(FOLLOW) * rate_1_s * period_s).clamp(F::ZERO, F::ONE),
             period_s,
         }
     }
@@ -64,19 +80,18 @@ impl<F: Real> InertiaFactor<F> {
     /// The inertia in tolerated inertias after this sample, from 1 on.
     pub(super) fn step(&self, state: &mut InertiaFactorState<F>, load: &ObservedLoad<F>) -> F {
         let velocity = load.velocity_rad_s;
-        if velocity.abs() < F::from_f64(RESTING_RAD_S) {
+        if velocity.abs() < self.resting_rad_s {
             *state = Self::initial_state();
             return F::ONE;
         }
         let friction_nm = self.friction_nm_s_rad * velocity + self.coulomb_nm * velocity.sign();
         state.impulse_nm_s += self.period_s * (self.ratio * load.transmitted_nm - friction_nm);
         let speed = velocity.abs();
-        state.fast |= speed > F::from_f64(FAST_RAD_S);
-        if speed > F::from_f64(MOVING_RAD_S) && !state.fast {
+        state.fast |= speed > self.fast_rad_s;
+        if speed > self.moving_rad_s && !state.fast {
             let inertia_kg_m2 = state.impulse_nm_s / velocity;
             let factor = (inertia_kg_m2 * self.per_tolerated_kg_m2).clamp(F::ONE, F::from_f64(HEAVIEST));
-            let following = F::from_f64(FOLLOW_RAD_S) * self.period_s;
-            state.factor += following.clamp(F::ZERO, F::ONE) * (factor - state.factor);
+            state.factor += self.following * (factor - state.factor);
         }
         state.factor
     }
@@ -90,12 +105,17 @@ mod tests {
 
     /// The factor after a load with this inertia and dry friction has accelerated with 3 rad/s^2 to 1.2 rad/s.
     fn factor_of(inertia_kg_m2: f64, coulomb_nm: f64) -> (InertiaFactor<f64>, InertiaFactorState<f64>) {
-        let inertia_factor = InertiaFactor::new(&NominalModel::default(), 3.4, 1e-3);
+        let inertia_factor = InertiaFactor::new(&NominalModel::default(), 3.4, 0.644, 9.05, 1e-3);
         let mut state = InertiaFactor::initial_state();
         for k in 0..400 {
             let velocity_rad_s = 3.0 * 1e-3 * f64::from(k);
             let driving_nm = inertia_kg_m2 * 3.0 + 16.0 * velocity_rad_s + coulomb_nm;
-            let load = ObservedLoad { velocity_rad_s, disturbance_nm: 0.0, transmitted_nm: driving_nm / 3.0 };
+            let load = ObservedLoad {
+                velocity_rad_s,
+                disturbance_nm: 0.0,
+                transmitted_nm: driving_nm / 3.0,
+                position_error_rad: 0.0,
+            };
             inertia_factor.step(&mut state, &load);
         }
         (inertia_factor, state)
@@ -113,16 +133,21 @@ mod tests {
 
     #[test]
     fn friction_of_a_tolerated_load_leaves_the_factor_at_one() {
-        for coulomb_nm in [2.4, 3.4, 4.4] {
-            let (_, state) = factor_of(1.2 * NOMINAL_KG_M2, coulomb_nm);
-            assert_eq!(state.factor, 1.0, "{coulomb_nm} N m");
+        for (times, coulomb_nm) in [(1.0, 3.4), (1.0, 2.4), (0.7, 4.4)] {
+            let (_, state) = factor_of(times * NOMINAL_KG_M2, coulomb_nm);
+            assert_eq!(state.factor, 1.0, "{times}, {coulomb_nm} N m");
         }
     }
 
     #[test]
     fn standstill_forgets_the_load() {
         let (inertia_factor, mut state) = factor_of(2.0 * NOMINAL_KG_M2, 3.4);
-        let load = ObservedLoad { velocity_rad_s: 0.04, disturbance_nm: 0.0, transmitted_nm: 5.0 };
+        let load = ObservedLoad {
+            velocity_rad_s: 0.04,
+            disturbance_nm: 0.0,
+            transmitted_nm: 5.0,
+            position_error_rad: 0.0,
+        };
         assert_eq!(inertia_factor.step(&mut state, &load), 1.0);
         assert_eq!(state, InertiaFactor::initial_state());
     }

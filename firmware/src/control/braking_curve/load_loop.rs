@@ -8,34 +8,22 @@
 //! integral has a limit, so that an approach doesn't wind it up; while the load stands off its target, the limit grows.
 
 use super::curve::Curve;
-use super::gains::BrakingCurveGains;
+use super::gains::Gains;
 use super::inertia_factor::{InertiaFactor, InertiaFactorState};
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
 use crate::law::{Measurement, Real};
 
-/// Fraction of the drive's torque limit that the transmitted torque may use; the rest moves the motor.
-const TRANSMITTED_FRACTION: f64 = 0.95;
-/// Load velocity over which the fed-forward friction reaches its full value, in rad/s.
-const FRICTION_WIDTH_RAD_S: f64 = 0.15;
-/// Load error below which the fed-forward friction fades, in rad.
-const FRICTION_FADE_RAD: f64 = 0.1;
-/// Smallest band in counts of the load encoder.
-const BAND_COUNTS: f64 = 0.55;
-/// Load error that ends a hold, in bands of arrival, or of 1.05 counts where those are wider.
-const RELEASE_BANDS: f64 = 2.0;
-const RELEASE_COUNTS: f64 = 1.05;
-/// Load velocity of standstill in rad/s.
-const STANDSTILL_RAD_S: f64 = 0.03;
-/// Growth of the integral's limit at standstill, in N m/s at the load.
-const REACH_NM_S: f64 = 10.0;
+/// Fraction of the integral that remains on arrival.
+const LANDING_FRACTION: f64 = 0.3;
 /// Largest stiction of the load in nominal Coulomb frictions.
 const STICTION_RATIO: f64 = 1.4;
 
 /// The loop with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LoadLoop<F> {
-    gains: BrakingCurveGains<F>,
+    gains: Gains<F>,
+    coulomb_nm: F,
     curve: Curve<F>,
     inertia_factor: InertiaFactor<F>,
     inertia_kg_m2: F,
@@ -44,9 +32,8 @@ pub(super) struct LoadLoop<F> {
     integral_per_period: F,
     reach_per_period_nm: F,
     stiction_nm: F,
-    limit_nm: F,
-    band_rad: F,
-    release_rad: F,
+    per_width_s_rad: F,
+    per_fade_1_rad: F,
 }
 
 /// State of the loop.
@@ -59,46 +46,38 @@ pub(super) struct LoadLoopState<F> {
     pub(super) holding: bool,
 }
 
-fn larger<F: Real>(a: F, b: F) -> F {
-    if a > b { a } else { b }
+/// What the loop commands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LoadCommand<F> {
+    /// Transmitted torque at the motor in N m.
+    pub(super) torque_nm: F,
+    /// Planned acceleration of the load in rad/s^2.
+    pub(super) acceleration_rad_s2: F,
 }
 
 impl<F: Real> LoadLoop<F> {
-    /// The loop for the load of `model` behind an encoder of this resolution.
-    pub(super) fn new(
-        model: &NominalModel<F>,
-        gains: BrakingCurveGains<F>,
-        load_resolution_rad: F,
-        torque_limit_nm: F,
-        period_s: F,
-    ) -> Self {
-        let usable_nm = F::from_f64(TRANSMITTED_FRACTION) * torque_limit_nm;
-        let limit_nm = if gains.winding_limit_nm < usable_nm { gains.winding_limit_nm } else { usable_nm };
-        let possible_rad_s2 = model.reduction_ratio * limit_nm / model.load_inertia_kg_m2;
-        let deceleration =
-            if gains.braking_rad_s2 < possible_rad_s2 { gains.braking_rad_s2 } else { possible_rad_s2 };
-        let counts = |count: f64| F::from_f64(count) * load_resolution_rad;
-        let band = gains.landing_band_rad;
+    /// The loop for the load of `model`, with this Coulomb friction.
+    pub(super) fn new(model: &NominalModel<F>, gains: &Gains<F>, coulomb_nm: F, period_s: F) -> Self {
+        let speed_rad_s = gains.braking_rad_s2 / gains.rate_1_s;
         Self {
-            gains,
+            gains: *gains,
+            coulomb_nm,
             curve: Curve {
-                deceleration_rad_s2: deceleration,
-                rate_1_s: gains.braking_rate_1_s,
+                deceleration_rad_s2: gains.braking_rad_s2,
+                rate_1_s: gains.rate_1_s,
                 landing_rate_1_s: gains.landing_rate_1_s,
                 landing_rad: gains.landing_rad,
                 top_speed_rad_s: gains.top_speed_rad_s,
             },
-            inertia_factor: InertiaFactor::new(model, gains.load_coulomb_nm, period_s),
+            inertia_factor: InertiaFactor::new(model, coulomb_nm, speed_rad_s, gains.rate_1_s, period_s),
             inertia_kg_m2: model.load_inertia_kg_m2,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
             per_ratio: F::ONE / model.reduction_ratio,
-            integral_per_period: gains.speed_integral_gain_nm_rad * period_s,
-            reach_per_period_nm: F::from_f64(REACH_NM_S) * period_s,
-            stiction_nm: F::from_f64(STICTION_RATIO) * gains.load_coulomb_nm,
-            limit_nm,
-            // Half a count: the decoded position is the middle of a count.
-            band_rad: larger(band - counts(0.5), counts(BAND_COUNTS)),
-            release_rad: F::from_f64(RELEASE_BANDS) * larger(band, counts(RELEASE_COUNTS)),
+            integral_per_period: gains.integral_nm_rad * period_s,
+            reach_per_period_nm: gains.reach_nm_s * period_s,
+            stiction_nm: F::from_f64(STICTION_RATIO) * coulomb_nm,
+            per_width_s_rad: F::ONE / gains.friction_width_rad_s,
+            per_fade_1_rad: F::ONE / gains.friction_fade_rad,
         }
     }
 
@@ -112,25 +91,32 @@ impl<F: Real> LoadLoop<F> {
         }
     }
 
-    /// The commanded transmitted torque at the motor in N m.
-    pub(super) fn step(&self, state: &mut LoadLoopState<F>, m: &Measurement<F>, load: &ObservedLoad<F>) -> F {
+    /// The command for this sample. `missing_nm` is the torque that the motor was commanded and didn't give, or zero.
+    pub(super) fn step(
+        &self,
+        state: &mut LoadLoopState<F>,
+        m: &Measurement<F>,
+        load: &ObservedLoad<F>,
+        missing_nm: F,
+    ) -> LoadCommand<F> {
         let load_velocity_rad_s = load.velocity_rad_s;
         let inertia_factor = self.inertia_factor.step(&mut state.inertia_factor, load);
         let gains = &self.gains;
-        let error = m.load_position_rad - m.reference_position_rad;
+        // The observed position: counts and their noise would wind the shaft at every sample.
+        let error = m.load_position_rad - load.position_error_rad - m.reference_position_rad;
         let reference_velocity = m.reference_velocity_rad_s;
         let excess_velocity = load_velocity_rad_s - reference_velocity;
-        let arrived = error.abs() <= self.band_rad;
-        if reference_velocity != F::ZERO || error.abs() > self.release_rad {
+        let arrived = error.abs() <= gains.band_rad;
+        if reference_velocity != F::ZERO || error.abs() > gains.release_rad {
             state.holding = false;
         } else if arrived && !state.holding {
             state.holding = true;
             // What friction holds is unloaded, the lasting load beyond it is not.
             let lasting_nm =
                 load.disturbance_nm - load.disturbance_nm.clamp(-self.stiction_nm, self.stiction_nm);
-            state.integral_nm = lasting_nm + gains.landing_fraction * (state.integral_nm - lasting_nm);
+            state.integral_nm = lasting_nm + F::from_f64(LANDING_FRACTION) * (state.integral_nm - lasting_nm);
         }
-        let led_error = error + gains.braking_lead_s * excess_velocity;
+        let led_error = error + gains.lead_s * excess_velocity;
         let distance = led_error.abs();
         let (commanded, acceleration) = if state.holding {
             (F::ZERO, F::ZERO)
@@ -141,29 +127,31 @@ impl<F: Real> LoadLoop<F> {
             (reference_velocity - led_error.sign() * velocity, -(slope * excess_velocity))
         };
         let velocity_error = commanded - load_velocity_rad_s;
-        let moving =
-            ((commanded - reference_velocity) / F::from_f64(FRICTION_WIDTH_RAD_S)).clamp(-F::ONE, F::ONE);
-        let fade = (distance / F::from_f64(FRICTION_FADE_RAD)).clamp(F::ZERO, F::ONE);
+        let stands = load_velocity_rad_s.abs() < gains.standstill_rad_s;
+        // Friction damps a load that it holds; the observed velocity would only add its noise.
+        let damping = if state.holding && stands { F::ZERO } else { gains.speed_nm_s_rad };
+        let moving = (self.per_width_s_rad * (commanded - reference_velocity)).clamp(-F::ONE, F::ONE);
+        let fade = (self.per_fade_1_rad * distance).clamp(F::ZERO, F::ONE);
         let wanted_nm = self.per_ratio
             * (self.friction_nm_s_rad * commanded
                 + self.inertia_kg_m2 * inertia_factor * acceleration
-                + gains.load_coulomb_nm * moving * fade
-                + gains.speed_gain_nm_s_rad * velocity_error
+                + self.coulomb_nm * moving * fade
+                + damping * velocity_error
                 + state.integral_nm);
-        let torque_nm = wanted_nm.clamp(-self.limit_nm, self.limit_nm);
-        // Anti-windup: the integral doesn't drive further into the limit.
-        let at_limit = torque_nm != wanted_nm && wanted_nm * velocity_error > F::ZERO;
+        let torque_nm = wanted_nm.clamp(-gains.transmitted_nm, gains.transmitted_nm);
+        // Anti-windup: the integral doesn't drive further into the limit, nor into a torque that the motor doesn't give.
+        let at_limit = torque_nm != wanted_nm && wanted_nm * velocity_error > F::ZERO
+            || missing_nm * velocity_error > F::ZERO;
         if !state.holding && !at_limit {
-            let integral_limit_nm = gains.speed_integral_limit_nm + state.reach_nm;
+            let integral_limit_nm = gains.integral_limit_nm + state.reach_nm;
             let integral_nm = state.integral_nm + self.integral_per_period * velocity_error;
             state.integral_nm = integral_nm.clamp(-integral_limit_nm, integral_limit_nm);
-            let stands = load_velocity_rad_s.abs() < F::from_f64(STANDSTILL_RAD_S);
             if stands && integral_nm != state.integral_nm {
                 state.reach_nm += self.reach_per_period_nm;
-            } else if state.integral_nm.abs() < gains.speed_integral_limit_nm {
+            } else if state.integral_nm.abs() < gains.integral_limit_nm {
                 state.reach_nm = F::ZERO;
             }
         }
-        torque_nm
+        LoadCommand { torque_nm, acceleration_rad_s2: acceleration }
     }
 }

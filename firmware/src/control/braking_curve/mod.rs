@@ -2,7 +2,8 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | `gains` | gains and limits to tune |
+//! | `tuning` | what a user states besides the mechanics |
+//! | `gains` | every gain, synthesised from the machine |
 //! | `curve` | the braking curve: load velocity over distance |
 //! | `load_loop` | velocity loop of the load along the curve, with a hold on arrival |
 //! | `inertia_factor` | the load's inertia relative to the one that the curve tolerates, from its momentum |
@@ -18,8 +19,10 @@ mod load_loop;
 mod signals;
 #[cfg(test)]
 mod tests;
+mod tuning;
 mod winding;
 
-pub use gains::BrakingCurveGains;
-pub use law::{BrakingCurve, BrakingCurveSetting, LEARNT_DEVIATION_RAD};
+pub use gains::{BrakingCurveSetting, Gains};
+pub use law::BrakingCurve;
 pub use signals::BrakingCurveSignals;
+pub use tuning::BrakingCurveTuning;

@@ -13,7 +13,7 @@ crate::signals! {
         motor_error_rad: "rad",
         /// Elastic torque minus its command.
         elastic_error_nm: "N m",
-        /// Standard deviation of `dead_zone_estimate_rad`.
+        /// Standard deviation of `dead_zone_estimate_rad`, at every time.
         dead_zone_deviation_rad: "rad",
     }
 }

@@ -166,21 +166,7 @@ pub const LAWS: [Law; 10] = [
     Law {
         name: "braking-curve",
         scenario: include_str!("../../../../scenarios/shaft-braking-curve.toml"),
-        tuned: &[
-            tuned("braking_rad_s2", 2.0, 15.0),
-            tuned("braking_rate_1_s", 3.0, 30.0),
-            tuned("landing_rate_1_s", 0.5, 3.0),
-            tuned("landing_rad", 0.01, 0.2),
-            tuned("top_speed_rad_s", 1.0, 10.0),
-            tuned("braking_lead_s", 0.005, 0.1),
-            tuned("speed_gain_nm_s_rad", 10.0, 150.0),
-            tuned("speed_integral_gain_nm_rad", 20.0, 1000.0),
-            tuned("speed_integral_limit_nm", 3.0, 20.0),
-            tuned("winding_rad_s", 10.0, 100.0),
-            tuned("shaft_gain_nm_rad", 0.1, 10.0),
-            tuned("shaft_damping_nm_s_rad", 0.005, 0.3),
-            tuned("crossing_nm", 0.01, 1.0),
-        ],
+        tuned: &[tuned("pace", 0.5, 1.6)],
         ours: true,
     },
 ];
