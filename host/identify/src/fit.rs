@@ -27,6 +27,8 @@ pub(crate) struct Fit {
     pub(crate) residual_counts: [f64; 2],
     /// What the errors of the torque explain of it.
     pub(crate) explained_counts: [f64; 2],
+    /// Counts of the cogging per turn under which the model is about as near, the nearest first.
+    pub(crate) per_turn: Vec<u32>,
 }
 
 /// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
@@ -43,6 +45,11 @@ pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2], noi
 }
 
 impl Fit {
+    /// Sum of the squares of both residuals.
+    pub(crate) fn squares(&self) -> f64 {
+        self.residual_counts.iter().map(|it| it * it).sum()
+    }
+
     pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {
         follows(self.residual_counts, self.explained_counts, noise_counts)
     }
@@ -146,6 +153,8 @@ impl Problem<'_> {
         let inverse = normal.matrix.try_inverse()?;
         let covariance = &inverse * &normal.scatter * &inverse;
         let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
-        Some(Fit { point, covariance, residual_counts, explained_counts: normal.explained_counts })
+        let per_turn = vec![point.vector.cogging_per_turn];
+        let explained_counts = normal.explained_counts;
+        Some(Fit { point, covariance, residual_counts, explained_counts, per_turn })
     }
 }

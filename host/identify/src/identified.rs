@@ -4,8 +4,10 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 use serde::Serialize;
 
+use crate::errors::{self, EncoderError};
 use crate::fit::{Fit, follows};
 use crate::parameters::{COUNT, Parameter, Vector};
+use crate::prior::Prior;
 use crate::series::Instruments;
 use crate::signs::Directions;
 
@@ -13,7 +15,7 @@ use crate::signs::Directions;
 pub const CONFIDENCE: f64 = 0.95;
 /// Standard deviations on each side of an interval. 1.96 would be those of a normal distribution; quantisation isn't noise,
 /// and on random plants its errors are up to this much larger.
-const DEVIATIONS: f64 = 3.2;
+pub(crate) const DEVIATIONS: f64 = 3.2;
 /// Widest interval that is reported, as a factor in either direction: beyond, the motions don't show the quantity.
 const WIDEST: f64 = 2.0;
 /// Widest interval of a quantity that has no scale of its own.
@@ -58,6 +60,8 @@ pub struct Identified {
     pub instruments: Instruments,
     /// In the order of a table.
     pub quantities: Vec<Quantity>,
+    /// Where the errors of motor and load encoder within a turn are from.
+    pub encoder_errors: [EncoderError; 2],
     /// Root mean square of what the model leaves of the counts of motor and load.
     pub residual_counts: [f64; 2],
     /// Root mean square of what step and delay of the torque explain of it.
@@ -93,13 +97,15 @@ impl Identified {
         DEFINITIONS.iter().find(|it| it.quantity.name == name).map(|it| (it.of)(&vector))
     }
 
-    pub(crate) fn new(fit: &Fit, directions: Directions, instruments: &Instruments) -> Self {
+    pub(crate) fn new(fit: &Fit, prior: &Prior, directions: Directions, instruments: &Instruments) -> Self {
         let vector = &fit.point.vector;
-        let quantities = DEFINITIONS.iter().map(|it| it.quantity(fit)).collect();
+        let mechanical = DEFINITIONS.iter().map(|it| it.quantity(fit));
+        let quantities = mechanical.chain(errors::quantities(fit, prior)).collect();
         Self {
             directions,
             instruments: *instruments,
             quantities,
+            encoder_errors: errors::encoder_errors(fit, prior, instruments.encoder_error_rad),
             residual_counts: fit.residual_counts,
             explained_counts: fit.explained_counts,
             confidence: CONFIDENCE,

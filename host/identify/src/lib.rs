@@ -29,8 +29,10 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod cogging;
 mod contact;
 pub mod electrical;
+mod errors;
 pub mod excitation;
 mod fit;
 mod identified;
@@ -39,12 +41,14 @@ mod motor;
 mod noise;
 mod normal;
 mod parameters;
+mod prior;
 mod problem;
 mod replay;
 mod series;
 mod signs;
 mod staged;
 
+pub use errors::{EncoderError, Source};
 pub use identified::{CONFIDENCE, Estimate, Identified, Quantity};
 pub use identify::{IdentifyError, Start, identify};
 pub use series::{Instruments, Series, SeriesError};

@@ -2,6 +2,7 @@
 
 use crate::noise::{NINE_TENTHS, Noise, QUANTISATION};
 use crate::parameters::{COUNT, Parameter, Vector};
+use crate::prior::Prior;
 use crate::replay::{Motion, Prediction, Substeps};
 
 /// Parameters of one motion: twist at the start, offsets of both encoders.
@@ -30,6 +31,7 @@ pub(crate) struct Problem<'a> {
     /// The parameters that the fit may move.
     pub(crate) is_free: [bool; COUNT],
     pub(crate) start: Vector,
+    pub(crate) prior: Prior,
     pub(crate) substeps: Substeps,
 }
 
@@ -64,9 +66,10 @@ impl Problem<'_> {
             }
             sum += own.offsets.iter().map(|it| (it / OFFSET_DEVIATION).powi(2)).sum::<f64>();
         }
+        let is_open = |it: &Parameter| self.prior.deviation(*it) > 0.0;
         let prior =
-            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / it.prior_deviation()).powi(2);
-        sum + Parameter::ALL.into_iter().map(prior).sum::<f64>()
+            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / self.prior.deviation(it)).powi(2);
+        sum + Parameter::ALL.into_iter().filter(is_open).map(prior).sum::<f64>()
     }
 
     /// Root mean square of the residuals of an encoder in counts.
@@ -102,5 +105,5 @@ pub(crate) fn residual(
     encoder: usize,
     at: usize,
 ) -> f64 {
-    motion.counts[encoder][at] - prediction[encoder][at] - own.offsets[encoder]
+    motion.counts[encoder][at] - prediction.counts[encoder][at] - own.offsets[encoder]
 }

@@ -2,7 +2,7 @@
 
 use lashloop_plant::{RunningPlant, Start, TransportDelay};
 
-use crate::parameters::Vector;
+use crate::parameters::{Parameter, Vector};
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
@@ -31,6 +31,8 @@ pub(crate) struct Motion {
     /// Whether a sample of an encoder counts.
     pub(crate) is_used: [Vec<bool>; 2],
     pub(crate) counts_per_rad: [f64; 2],
+    /// What both encoders showed at the first sample.
+    first_rad: [f64; 2],
     /// Change of the motor's motion from one window to the next up to which the motor counts as steady.
     pub(crate) steady_counts: f64,
 }
@@ -45,8 +47,14 @@ pub(crate) struct Altered {
     pub(crate) scale: f64,
 }
 
-/// Counts of motor and load that a model predicts, from the first sample on.
-pub(crate) type Prediction = [Vec<f64>; 2];
+/// What a model predicts of motor and load, from the first sample on.
+#[derive(Clone)]
+pub(crate) struct Prediction {
+    /// How far the shafts have turned.
+    turned_rad: [Vec<f64>; 2],
+    /// What the encoders show.
+    pub(crate) counts: [Vec<f64>; 2],
+}
 
 impl Motion {
     pub(crate) fn new(series: &Series, instruments: &Instruments, directions: [Direction; 2]) -> Self {
@@ -57,6 +65,9 @@ impl Motion {
         });
         let rest = (REST_S / series.period_s()).ceil() as usize;
         let is_used = [0, 1].map(|at| used(&counts[at], rest.max(2)));
+        let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
+        let first_rad =
+            [0, 1].map(|at| (readings[at][0] * directions[at].sign()) as f64 / counts_per_rad[at]);
         let [low, high] =
             counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
         Self {
@@ -67,7 +78,8 @@ impl Motion {
             torque_nm: series.torque_nm().to_vec(),
             counts,
             is_used,
-            counts_per_rad: [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()],
+            counts_per_rad,
+            first_rad,
         }
     }
 
@@ -94,19 +106,82 @@ impl Motion {
         twist_rad: f64,
         substeps: Substeps,
     ) -> Option<Prediction> {
-        let plant = vector.plant(substeps as u32).ok()?;
+        let turned_rad = self.turned_rad(held, vector, twist_rad, substeps)?;
+        Some(self.shown(vector, turned_rad))
+    }
+
+    /// The same motion, as encoders of another eccentricity show it.
+    pub(crate) fn reread(&self, prediction: &Prediction, vector: &Vector) -> Prediction {
+        self.shown(vector, prediction.turned_rad.clone())
+    }
+
+    fn turned_rad(
+        &self,
+        held: &Held,
+        vector: &Vector,
+        twist_rad: f64,
+        substeps: Substeps,
+    ) -> Option<[Vec<f64>; 2]> {
+        let [offset_nm, cosine_nm, sine_nm] = Parameter::OF_TORQUE.map(|it| vector.get(it));
+        let has_cogging = cosine_nm != 0.0 || sine_nm != 0.0;
+        // Cogging changes with the motor's angle: the plant gets it in as many parts as it has steps.
+        let parts = if has_cogging { substeps as u32 } else { 1 };
+        let plant = vector.plant(substeps as u32 / parts).ok()?;
         let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, twist_rad));
-        let mut predicted = [0, 1].map(|_| Vec::with_capacity(self.samples()));
+        let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
+        let first_rad = self.angle_rad(vector, 0, 0.0);
+        let per_turn = f64::from(vector.cogging_per_turn);
+        let mut before_rad = 0.0;
         for held in held {
             let positions = lashloop_plant::Plant::positions(&plant);
-            predicted[0].push((positions.motor_position_rad - twist_rad) * self.counts_per_rad[0]);
-            predicted[1].push(positions.load_position_rad * self.counts_per_rad[1]);
+            turned_rad[0].push(positions.motor_position_rad - twist_rad);
+            turned_rad[1].push(positions.load_position_rad);
             for &(torque_nm, held_s) in held {
-                plant.step(torque_nm, held_s).ok()?;
+                for _ in 0..parts {
+                    let mut total_nm = torque_nm + offset_nm;
+                    if has_cogging {
+                        let motor_rad =
+                            lashloop_plant::Plant::positions(&plant).motor_position_rad - twist_rad;
+                        // In the middle of the part.
+                        let middle_rad = motor_rad + 0.5 * (motor_rad - before_rad);
+                        before_rad = motor_rad;
+                        let (sine, cosine) = (per_turn * (first_rad + middle_rad)).sin_cos();
+                        total_nm += cosine_nm * cosine + sine_nm * sine;
+                    }
+                    plant.step(total_nm, held_s / f64::from(parts)).ok()?;
+                }
             }
         }
-        Some(predicted)
+        Some(turned_rad)
     }
+
+    /// Angle of a shaft once it has turned this far. An eccentric encoder shows another angle at the first sample.
+    fn angle_rad(&self, vector: &Vector, encoder: usize, turned_rad: f64) -> f64 {
+        let shown_rad = self.first_rad[encoder];
+        // The error itself is small, so two rounds leave its third power.
+        let first_rad = (0..2).fold(shown_rad, |it, _| shown_rad - error_rad(vector, encoder, it));
+        first_rad + turned_rad
+    }
+
+    fn shown(&self, vector: &Vector, turned_rad: [Vec<f64>; 2]) -> Prediction {
+        let counts = [0, 1].map(|encoder| {
+            let first_rad = self.angle_rad(vector, encoder, 0.0);
+            let first_error_rad = error_rad(vector, encoder, first_rad);
+            let shown = |&turned_rad: &f64| {
+                let error_rad = error_rad(vector, encoder, first_rad + turned_rad) - first_error_rad;
+                (turned_rad + error_rad) * self.counts_per_rad[encoder]
+            };
+            turned_rad[encoder].iter().map(shown).collect()
+        });
+        Prediction { turned_rad, counts }
+    }
+}
+
+/// What an eccentric encoder shows on top of an angle of its shaft.
+fn error_rad(vector: &Vector, encoder: usize, angle_rad: f64) -> f64 {
+    let [cosine_rad, sine_rad] = Parameter::OF_ENCODERS[encoder].map(|it| vector.get(it));
+    let (sine, cosine) = angle_rad.sin_cos();
+    cosine_rad * cosine + sine_rad * sine
 }
 
 /// Torques as the motor gets them under the errors of a quantising power stage and of an uncertain delay.

@@ -1,13 +1,15 @@
 //! The truth lies within the intervals.
 
+use std::f64::consts::PI;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
 use lashloop_identify::excitation::{Commissioned, Limits, commission};
 use lashloop_identify::{Direction, Start};
+use lashloop_plant::random::{Pcg64Mcg, SeedableRng as _, uniform};
 
-use crate::hidden_plants::{Coverage, HiddenPlant, Shown};
+use crate::hidden_plants::{Coverage, Errors, HiddenPlant, Shown, Wave};
 
 /// The constants of the estimator were chosen on seeds 0 to 149, the width of the intervals with them.
 const SEEDS: Range<u64> = 5000..5050;
@@ -84,4 +86,47 @@ fn truth_is_within_the_interval_with_noise_of_the_encoders() {
     assert!(coverage.fraction() >= 0.9, "{coverage}");
     // The noise is known, so a model that leaves residuals of its size follows the motions.
     assert!(coverage.follows(), "{coverage}");
+}
+
+/// Of plants whose torque and encoders have errors.
+const WITH_ERRORS: Range<u64> = 8000..8006;
+/// What is stated of the encoders of motor and load, the largest eccentricity of the plants.
+const ENCODER_ERROR_RAD: [f64; 2] = [0.03, 0.01];
+
+fn errors(seed: u64) -> Errors {
+    let mut random = Pcg64Mcg::seed_from_u64(1_000_000 + seed);
+    let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
+    let factor = std::env::var("WENC_FACTOR").map_or(1.0, |it| it.parse().expect("number"));
+    let ecc = std::env::var("WENC_ECC").map_or(1.0, |it| it.parse().expect("number"));
+    let mut wave = |largest: f64| Wave { amplitude: within(0.0, largest), phase_rad: within(-PI, PI) };
+    let eccentricities = ENCODER_ERROR_RAD.map(|it| wave(ecc * it));
+    let cogging = wave(factor * 0.005 * LIMITS.torque_nm);
+    let offset_nm = within(-0.01, 0.01) * LIMITS.torque_nm;
+    let per_turn = within(1.0, 49.0) as u32;
+    Errors { offset_nm, cogging, per_turn, eccentricities }
+}
+
+#[test]
+fn truth_is_within_the_interval_with_errors_of_torque_and_encoders() {
+    let mut coverage = Coverage::default();
+    for seed in seeds(WITH_ERRORS) {
+        let errors = errors(seed);
+        let mut plant = HiddenPlant::draw(seed).with_noise(2.0).with_errors(errors, ENCODER_ERROR_RAD);
+        let instruments = plant.instruments();
+        let commissioned =
+            commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
+        let identified = match commissioned {
+            Ok(it) => it.identified,
+            Err(error) => { println!("seed {seed}: {error} {errors:?}"); continue }
+        };
+        println!("{seed} {errors:?} {:?} {:?}", identified.residual_counts, identified.encoder_errors);
+        coverage.plant(identified.is_followed());
+        for quantity in &identified.quantities {
+            let truth = plant.truth(quantity.name);
+            let shown = quantity.estimate.map(|it| Shown { low: it.low, high: it.high, truth });
+            if std::env::var("WENC_V").is_ok() { println!("   {} {:?} truth {truth}", quantity.name, quantity.estimate); }
+            coverage.quantity(seed, quantity.name, shown);
+        }
+    }
+    report("identification-errors.txt", &format!("identification with errors, {coverage}"));
 }

@@ -28,6 +28,36 @@ pub struct HiddenPlant {
     /// The plant in its present state, from the first motion on.
     present: Option<Present>,
     noise_counts: f64,
+    /// What torque and encoders are off by.
+    pub errors: Errors,
+    /// What a commissioning gets of the encoders, of motor and load.
+    encoder_error_rad: [f64; 2],
+}
+
+/// What torque and encoders of a plant are off by.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Errors {
+    /// Offset of the torque at the motor.
+    pub offset_nm: f64,
+    /// Of the motor's angle.
+    pub cogging: Wave,
+    /// Periods of the cogging per turn of the motor.
+    pub per_turn: u32,
+    /// Of motor and load encoder, in rad.
+    pub eccentricities: [Wave; 2],
+}
+
+/// amplitude sin(angle + phase_rad)
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wave {
+    pub amplitude: f64,
+    pub phase_rad: f64,
+}
+
+impl Wave {
+    fn at(&self, angle_rad: f64) -> f64 {
+        self.amplitude * (angle_rad + self.phase_rad).sin()
+    }
 }
 
 struct Present {
@@ -70,7 +100,7 @@ impl HiddenPlant {
         let load_rad = within(-1.0, 1.0);
         let twist_rad = within(-0.9, 0.9) * mechanics.dead_zone_rad;
         let start = Start::at_rest(load_rad, mechanics.ratio * load_rad + twist_rad);
-        Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0 }
+        Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0, errors: Errors::default(), encoder_error_rad: [0.0; 2] }
     }
 
     /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
@@ -78,15 +108,22 @@ impl HiddenPlant {
         Self { noise_counts, ..self }
     }
 
+    /// The same plant with these errors, and with encoders that are stated to be off by this.
+    pub fn with_errors(self, errors: Errors, encoder_error_rad: [f64; 2]) -> Self {
+        Self { errors, encoder_error_rad, ..self }
+    }
+
     /// What a commissioning gets of it.
     pub fn instruments(&self) -> Instruments {
         let [motor, load] = self.counts_per_rev;
-        Instruments { noise_counts: self.noise_counts, ..Instruments::exact(motor, load, DELAY_US) }
+        let exact = Instruments::exact(motor, load, DELAY_US).with_encoder_error_rad(self.encoder_error_rad);
+        Instruments { noise_counts: self.noise_counts, ..exact }
     }
 
     /// The true value of a quantity by its name.
     pub fn truth(&self, name: &str) -> f64 {
-        let Self { mechanics, shaft, .. } = self;
+        let Self { mechanics, shaft, errors, .. } = self;
+        let [motor, load] = errors.eccentricities;
         let asymmetry = shaft.load_asymmetry;
         match name {
             "reduction_ratio" => mechanics.ratio,
@@ -113,12 +150,21 @@ impl HiddenPlant {
             "inertia_at_motor_kg_m2" => {
                 mechanics.motor_inertia_kg_m2 + mechanics.load_inertia_kg_m2 / mechanics.ratio.powi(2)
             }
+            "torque_offset_nm" => errors.offset_nm,
+            "cogging_nm" => errors.cogging.amplitude,
+            "cogging_per_turn" => f64::from(errors.per_turn),
+            "cogging_phase_rad" => errors.cogging.phase_rad,
+            "torque_uncertainty_nm" => errors.cogging.amplitude / 2.0_f64.sqrt(),
+            "motor_eccentricity_rad" => motor.amplitude,
+            "motor_eccentricity_phase_rad" => motor.phase_rad,
+            "load_eccentricity_rad" => load.amplitude,
+            "load_eccentricity_phase_rad" => load.phase_rad,
             other => panic!("no truth for {other}"),
         }
     }
 
     fn release(&self) -> Present {
-        let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
+        let plant = BacklashShaft::new(self.mechanics, self.shaft, 1).expect("a plant in its ranges");
         let mut seeds = 1..;
         let encoders = self.counts_per_rev.map(|counts_per_rev| {
             let seed = seeds.next().unwrap_or_default();
@@ -141,13 +187,19 @@ impl DriveTrain for HiddenPlant {
         for &planned_nm in &motion.torque_nm {
             let positions = Plant::positions(plant);
             let read = [positions.motor_position_rad, positions.load_position_rad];
-            let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(read[at]));
+            let shown = [0, 1].map(|at| read[at] + self.errors.eccentricities[at].at(read[at]));
+            let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(shown[at]));
             counts.iter_mut().zip(now).for_each(|(counts, now)| counts.push(now));
             halt = guard.check(now[0], now[1]);
             let torque_nm = if halt.is_some() { 0.0 } else { planned_nm };
             torques_nm.push(torque_nm);
             for (held_nm, held_s) in delay.step(torque_nm) {
-                plant.step(held_nm, held_s).expect("a plant that can be followed");
+                for _ in 0..SUBSTEPS {
+                    let motor_rad = Plant::positions(plant).motor_position_rad;
+                    let cogging_nm = self.errors.cogging.at(f64::from(self.errors.per_turn) * motor_rad);
+                    let total_nm = held_nm + self.errors.offset_nm + cogging_nm;
+                    plant.step(total_nm, held_s / f64::from(SUBSTEPS)).expect("a plant that can be followed");
+                }
             }
             if halt.is_some() {
                 break;
