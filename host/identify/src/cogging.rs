@@ -35,14 +35,14 @@ impl Problem<'_> {
         let mut sums = vec![Sums::new(self.size()); PER_TURN_MAX as usize];
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
-            let columns = self.columns(motion, base, &point.vector, own.twist_rad)?;
+            let columns = self.columns(motion, base, &point.vector, &own)?;
             let mut tried = Vec::new();
             for per_turn in 1..=PER_TURN_MAX {
                 let part = |parameter: Parameter| {
                     let mut moved = point.vector;
                     moved.cogging_per_turn = per_turn;
                     moved.set(parameter, self.prior.step(parameter));
-                    motion.predict(&moved, own.twist_rad, self.substeps)
+                    motion.predict(&moved, &own, self.substeps)
                 };
                 tried.push([part(Parameter::CoggingCosine)?, part(Parameter::CoggingSine)?]);
             }

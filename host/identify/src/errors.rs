@@ -6,6 +6,7 @@ use crate::fit::Fit;
 use crate::identified::{DEVIATIONS, Estimate, Quantity};
 use crate::parameters::Parameter;
 use crate::prior::Prior;
+use crate::series::Instruments;
 
 /// Widest interval of a phase that is reported, as half of it in rad.
 const WIDEST_PHASE_RAD: f64 = 1.0;
@@ -77,7 +78,7 @@ impl Wave {
             // A wave that isn't clear has no direction along which its amplitude would vary.
             deviation: if is_clear { along(cosine, sine) } else { variance.sqrt() },
             phase_rad: cosine.atan2(sine),
-            phase_deviation_rad: along(-sine, cosine),
+            phase_deviation_rad: along(-sine, cosine) / amplitude,
             variance,
         }
     }
@@ -92,15 +93,21 @@ impl Wave {
         self.amplitude().low > 0.0
     }
 
-    fn phase(&self) -> Option<Estimate> {
-        let half = DEVIATIONS * self.phase_deviation_rad;
+    /// `edge_rad` is how far the edge of a count may be from where its number says, in the phase.
+    fn phase(&self, edge_rad: f64) -> Option<Estimate> {
+        let half = (DEVIATIONS * self.phase_deviation_rad).hypot(edge_rad);
         let value = self.phase_rad;
-        (self.is_clear() && half < WIDEST_PHASE_RAD).then(|| Estimate { value, low: value - half, high: value + half })
+        (self.is_clear() && half < WIDEST_PHASE_RAD).then(|| Estimate {
+            value,
+            low: value - half,
+            high: value + half,
+        })
     }
 }
 
 /// The quantities of the torque's errors and of both eccentricities.
-pub(crate) fn quantities(fit: &Fit, prior: &Prior) -> Vec<Quantity> {
+pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) -> Vec<Quantity> {
+    let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
     let quantity = |name, unit, meaning, estimate| Quantity {
         name,
         unit,
@@ -114,14 +121,18 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior) -> Vec<Quantity> {
     let offset_deviation_nm = deviation(fit, Parameter::TorqueOffset);
     let half_nm = DEVIATIONS * offset_deviation_nm;
     let is_offset_shown = is_shown(fit, prior, Parameter::TorqueOffset);
-    let offset = is_offset_shown
-        .then(|| Estimate { value: offset_nm, low: offset_nm - half_nm, high: offset_nm + half_nm });
+    let offset = is_offset_shown.then(|| Estimate {
+        value: offset_nm,
+        low: offset_nm - half_nm,
+        high: offset_nm + half_nm,
+    });
     let cogging_of = [Parameter::CoggingCosine, Parameter::CoggingSine];
     let cogging = Wave::of(fit, cogging_of);
     let is_cogging_shown = cogging_of.iter().all(|it| is_shown(fit, prior, *it));
     let shown = |estimate: Option<Estimate>| estimate.filter(|_| is_cogging_shown);
     let per_turn = cogging.is_clear().then(|| per_turn(&fit.per_turn)).flatten();
-    let phase = cogging.phase().filter(|_| per_turn.is_some_and(|it| it.low == it.high));
+    let edge_rad = f64::from(fit.point.vector.cogging_per_turn) / counts_per_rad[0];
+    let phase = cogging.phase(edge_rad).filter(|_| per_turn.is_some_and(|it| it.low == it.high));
     // A law takes the offset away, and the cogging stays.
     let remains = |amplitude_nm: f64| {
         let ripple = 0.5 * (amplitude_nm.powi(2) + cogging.variance);
@@ -137,19 +148,36 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior) -> Vec<Quantity> {
         law(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset)),
         quantity("cogging_nm", "N m", "amplitude of the cogging", shown(Some(amplitude))),
         quantity("cogging_per_turn", "", "periods of the cogging per turn of the motor", shown(per_turn)),
-        quantity("cogging_phase_rad", "rad", "phase of the cogging at the motor encoder's zero", shown(phase)),
-        law(quantity("torque_uncertainty_nm", "N m", "standard deviation of what remains of the torque's errors", uncertainty)),
+        quantity(
+            "cogging_phase_rad",
+            "rad",
+            "phase of the cogging at the motor encoder's zero",
+            shown(phase),
+        ),
+        law(quantity(
+            "torque_uncertainty_nm",
+            "N m",
+            "standard deviation of what remains of the torque's errors",
+            uncertainty,
+        )),
     ];
     let names = [
         ("motor_eccentricity_rad", "motor_eccentricity_phase_rad"),
         ("load_eccentricity_rad", "load_eccentricity_phase_rad"),
     ];
-    for (of, (amplitude, phase)) in Parameter::OF_ENCODERS.into_iter().zip(names) {
+    for ((of, (amplitude, phase)), counts_per_rad) in
+        Parameter::OF_ENCODERS.into_iter().zip(names).zip(counts_per_rad)
+    {
         let is_shown = of.iter().all(|it| is_shown(fit, prior, *it));
         let wave = is_shown.then(|| Wave::of(fit, of));
         let shown = wave.as_ref().map(Wave::amplitude);
         all.push(quantity(amplitude, "rad", "eccentricity of the encoder", shown));
-        all.push(quantity(phase, "rad", "its phase at the encoder's zero", wave.and_then(|it| it.phase())));
+        all.push(quantity(
+            phase,
+            "rad",
+            "its phase at the encoder's zero",
+            wave.and_then(|it| it.phase(1.0 / counts_per_rad)),
+        ));
     }
     all
 }

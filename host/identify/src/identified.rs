@@ -100,7 +100,7 @@ impl Identified {
     pub(crate) fn new(fit: &Fit, prior: &Prior, directions: Directions, instruments: &Instruments) -> Self {
         let vector = &fit.point.vector;
         let mechanical = DEFINITIONS.iter().map(|it| it.quantity(fit));
-        let quantities = mechanical.chain(errors::quantities(fit, prior)).collect();
+        let quantities = mechanical.chain(errors::quantities(fit, prior, instruments)).collect();
         Self {
             directions,
             instruments: *instruments,

@@ -82,7 +82,7 @@ pub(crate) fn distance(motions: &[Motion], used: &[usize], point: &Point) -> f64
     let mut sum = 0.0;
     for &index in used {
         let (motion, own) = (&motions[index], &point.own[index]);
-        let Some(predicted) = motion.predict(&point.vector, own.twist_rad, Substeps::Coarse) else {
+        let Some(predicted) = motion.predict(&point.vector, own, Substeps::Coarse) else {
             return f64::INFINITY;
         };
         let scale = 0.02 * range(&motion.counts[0]).max(1.0);

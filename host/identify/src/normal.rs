@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::noise::Noise;
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::problem::{OFFSET_DEVIATION, OWN, Point, Problem, residual};
+use crate::problem::{OWN, OwnParameters, Point, Problem, residual};
 use crate::replay::{Altered, Motion, Prediction};
 
 /// Difference of the twist at the first sample, in rad.
@@ -42,7 +42,7 @@ impl Problem<'_> {
         motion: &Motion,
         base: &Prediction,
         vector: &Vector,
-        twist_rad: f64,
+        own: &OwnParameters,
     ) -> Option<Vec<(f64, Prediction)>> {
         let mut columns = Vec::with_capacity(COUNT + 1);
         for parameter in Parameter::ALL {
@@ -55,13 +55,14 @@ impl Problem<'_> {
             moved.set(parameter, moved.get(parameter) + step);
             let is_of_encoder = Parameter::OF_ENCODERS.as_flattened().contains(&parameter);
             let prediction = if is_of_encoder {
-                motion.reread(base, &moved)
+                motion.reread(base, &moved, own)
             } else {
-                motion.predict(&moved, twist_rad, self.substeps)?
+                motion.predict(&moved, own, self.substeps)?
             };
             columns.push((step, prediction));
         }
-        let moved = motion.predict(vector, twist_rad + TWIST_STEP_RAD, self.substeps)?;
+        let moved = OwnParameters { twist_rad: own.twist_rad + TWIST_STEP_RAD, ..*own };
+        let moved = motion.predict(vector, &moved, self.substeps)?;
         columns.push((TWIST_STEP_RAD, moved));
         Some(columns)
     }
@@ -84,10 +85,10 @@ impl Problem<'_> {
         let (mut squares, mut samples) = ([0.0; 2], [0.0_f64; 2]);
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
-            let columns = self.columns(motion, base, &point.vector, own.twist_rad)?;
+            let columns = self.columns(motion, base, &point.vector, &own)?;
             let mut moved_by = Vec::with_capacity(kinds);
             for Altered { held, scale } in &motion.altered[..kinds] {
-                let moved = motion.predict_under(held, &point.vector, own.twist_rad, self.substeps)?;
+                let moved = motion.predict_under(held, &point.vector, &own, self.substeps)?;
                 moved_by.push((*scale, moved));
             }
             let cluster = (CLUSTER_S / motion.period_s).ceil().max(1.0) as usize;
@@ -154,8 +155,8 @@ impl Problem<'_> {
             }
             for encoder in 0..2 {
                 let at = first + 1 + encoder;
-                matrix[(at, at)] += OFFSET_DEVIATION.powi(-2);
-                gradient[at] -= own.offsets[encoder] * OFFSET_DEVIATION.powi(-2);
+                matrix[(at, at)] += motion.offset_deviation.powi(-2);
+                gradient[at] -= own.offsets[encoder] * motion.offset_deviation.powi(-2);
             }
         }
         // A twist that no torque shows, and those of the motions that don't count.

@@ -7,8 +7,6 @@ use crate::replay::{Motion, Prediction, Substeps};
 
 /// Parameters of one motion: twist at the start, offsets of both encoders.
 pub(crate) const OWN: usize = 3;
-/// Standard deviation of an encoder's offset within its count.
-pub(crate) const OFFSET_DEVIATION: f64 = 0.4;
 
 /// Parameters of the plant and of each motion.
 #[derive(Clone)]
@@ -50,8 +48,7 @@ impl Problem<'_> {
     }
 
     pub(crate) fn predict(&self, point: &Point) -> Option<Vec<Prediction>> {
-        let predict =
-            |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
+        let predict = |&at: &usize| self.motions[at].predict(&point.vector, &point.own[at], self.substeps);
         self.used.iter().map(predict).collect()
     }
 
@@ -64,7 +61,7 @@ impl Problem<'_> {
                     sum += noise.squared(encoder, residual(motion, prediction, own, encoder, at));
                 }
             }
-            sum += own.offsets.iter().map(|it| (it / OFFSET_DEVIATION).powi(2)).sum::<f64>();
+            sum += own.offsets.iter().map(|it| (it / motion.offset_deviation).powi(2)).sum::<f64>();
         }
         let is_open = |it: &Parameter| self.prior.deviation(*it) > 0.0;
         let prior =

@@ -3,13 +3,14 @@
 use lashloop_plant::{RunningPlant, Start, TransportDelay};
 
 use crate::parameters::{Parameter, Vector};
+use crate::problem::OwnParameters;
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
 /// Integration steps per control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Substeps {
-    /// On the way to an estimate.
+    /// On the way to an estimate. The cogging is that at the recorded angles.
     Coarse = 2,
     /// For the estimate: the error stays far below a count.
     Fine = 4,
@@ -17,6 +18,9 @@ pub(crate) enum Substeps {
 
 /// Time in which samples of an encoder at rest still count. Later ones repeat what the first ones show.
 const REST_S: f64 = 0.02;
+
+/// Standard deviation of an encoder's offset within its count.
+const OFFSET_DEVIATION: f64 = 0.4;
 
 /// One motion, counts in their direction from the first sample on, torques as they arrive at the motor.
 pub(crate) struct Motion {
@@ -31,8 +35,10 @@ pub(crate) struct Motion {
     /// Whether a sample of an encoder counts.
     pub(crate) is_used: [Vec<bool>; 2],
     pub(crate) counts_per_rad: [f64; 2],
-    /// What both encoders showed at the first sample.
-    first_rad: [f64; 2],
+    /// Reading of both encoders at the first sample, in their direction.
+    first_counts: [f64; 2],
+    /// Standard deviation of an encoder's offset from its first reading, in counts.
+    pub(crate) offset_deviation: f64,
     /// Change of the motor's motion from one window to the next up to which the motor counts as steady.
     pub(crate) steady_counts: f64,
 }
@@ -66,8 +72,7 @@ impl Motion {
         let rest = (REST_S / series.period_s()).ceil() as usize;
         let is_used = [0, 1].map(|at| used(&counts[at], rest.max(2)));
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
-        let first_rad =
-            [0, 1].map(|at| (readings[at][0] * directions[at].sign()) as f64 / counts_per_rad[at]);
+        let first_counts = [0, 1].map(|at| (readings[at][0] * directions[at].sign()) as f64);
         let [low, high] =
             counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
         Self {
@@ -79,7 +84,8 @@ impl Motion {
             counts,
             is_used,
             counts_per_rad,
-            first_rad,
+            offset_deviation: OFFSET_DEVIATION.hypot(instruments.noise_counts),
+            first_counts,
         }
     }
 
@@ -92,10 +98,15 @@ impl Motion {
         self.counts[encoder][sample] / self.counts_per_rad[encoder]
     }
 
-    /// The counts of the plant model under the recorded torques, released at rest with a twist of `twist_rad` against
-    /// the middle of its gap. `None` if the model can't be followed.
-    pub(crate) fn predict(&self, vector: &Vector, twist_rad: f64, substeps: Substeps) -> Option<Prediction> {
-        self.predict_under(&self.held, vector, twist_rad, substeps)
+    /// The counts of the plant model under the recorded torques, released at rest with a twist against the middle of
+    /// its gap. `None` if the model can't be followed.
+    pub(crate) fn predict(
+        &self,
+        vector: &Vector,
+        own: &OwnParameters,
+        substeps: Substeps,
+    ) -> Option<Prediction> {
+        self.predict_under(&self.held, vector, own, substeps)
     }
 
     /// As [`predict`](Self::predict), under other torques.
@@ -103,48 +114,61 @@ impl Motion {
         &self,
         held: &Held,
         vector: &Vector,
-        twist_rad: f64,
+        own: &OwnParameters,
         substeps: Substeps,
     ) -> Option<Prediction> {
-        let turned_rad = self.turned_rad(held, vector, twist_rad, substeps)?;
-        Some(self.shown(vector, turned_rad))
+        let turned_rad = self.turned_rad(held, vector, own, substeps)?;
+        Some(self.shown(vector, own, turned_rad))
     }
 
     /// The same motion, as encoders of another eccentricity show it.
-    pub(crate) fn reread(&self, prediction: &Prediction, vector: &Vector) -> Prediction {
-        self.shown(vector, prediction.turned_rad.clone())
+    pub(crate) fn reread(&self, prediction: &Prediction, vector: &Vector, own: &OwnParameters) -> Prediction {
+        self.shown(vector, own, prediction.turned_rad.clone())
     }
 
     fn turned_rad(
         &self,
         held: &Held,
         vector: &Vector,
-        twist_rad: f64,
+        own: &OwnParameters,
         substeps: Substeps,
     ) -> Option<[Vec<f64>; 2]> {
+        let twist_rad = own.twist_rad;
         let [offset_nm, cosine_nm, sine_nm] = Parameter::OF_TORQUE.map(|it| vector.get(it));
         let has_cogging = cosine_nm != 0.0 || sine_nm != 0.0;
         // Cogging changes with the motor's angle: the plant gets it in as many parts as it has steps.
-        let parts = if has_cogging { substeps as u32 } else { 1 };
-        let plant = vector.plant(substeps as u32 / parts).ok()?;
+        let parts = match substeps {
+            Substeps::Coarse if has_cogging => substeps as u32,
+            Substeps::Fine if has_cogging => std::env::var("WENC_P").map_or(8, |it| it.parse().unwrap()),
+            _ => 1,
+        };
+        let plant = vector.plant((substeps as u32).div_ceil(parts)).ok()?;
         let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, twist_rad));
         let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
-        let first_rad = self.angle_rad(vector, 0, 0.0);
+        let first_rad = self.first_rad(vector, own, 0);
         let per_turn = f64::from(vector.cogging_per_turn);
         let mut before_rad = 0.0;
-        for held in held {
+        for (at, held) in held.iter().enumerate() {
             let positions = lashloop_plant::Plant::positions(&plant);
             turned_rad[0].push(positions.motor_position_rad - twist_rad);
             turned_rad[1].push(positions.load_position_rad);
+            let mut elapsed_s = 0.0;
             for &(torque_nm, held_s) in held {
                 for _ in 0..parts {
                     let mut total_nm = torque_nm + offset_nm;
                     if has_cogging {
-                        let motor_rad =
-                            lashloop_plant::Plant::positions(&plant).motor_position_rad - twist_rad;
+                        let part_s = held_s / f64::from(parts);
                         // In the middle of the part.
-                        let middle_rad = motor_rad + 0.5 * (motor_rad - before_rad);
-                        before_rad = motor_rad;
+                        let middle_rad = if substeps == Substeps::Coarse {
+                            self.recorded_rad(vector, own, at, (elapsed_s + 0.5 * part_s) / self.period_s)
+                        } else {
+                            let motor_rad =
+                                lashloop_plant::Plant::positions(&plant).motor_position_rad - twist_rad;
+                            let ahead_rad = 0.5 * (motor_rad - before_rad);
+                            before_rad = motor_rad;
+                            motor_rad + ahead_rad
+                        };
+                        elapsed_s += part_s;
                         let (sine, cosine) = (per_turn * (first_rad + middle_rad)).sin_cos();
                         total_nm += cosine_nm * cosine + sine_nm * sine;
                     }
@@ -155,17 +179,28 @@ impl Motion {
         Some(turned_rad)
     }
 
-    /// Angle of a shaft once it has turned this far. An eccentric encoder shows another angle at the first sample.
-    fn angle_rad(&self, vector: &Vector, encoder: usize, turned_rad: f64) -> f64 {
-        let shown_rad = self.first_rad[encoder];
-        // The error itself is small, so two rounds leave its third power.
-        let first_rad = (0..2).fold(shown_rad, |it, _| shown_rad - error_rad(vector, encoder, it));
-        first_rad + turned_rad
+    /// How far the motor has turned by its own encoder, this part of a period after a sample. Cogging by the angle that is
+    /// recorded moves the model the right way from far away; by the model's own angle, it holds the model in the
+    /// wrong dent.
+    fn recorded_rad(&self, vector: &Vector, own: &OwnParameters, at: usize, part: f64) -> f64 {
+        let counts = &self.counts[0];
+        let next = counts[(at + 1).min(counts.len() - 1)];
+        let shown_counts = counts[at] + part * (next - counts[at]) - own.offsets[0];
+        let first_rad = self.first_rad(vector, own, 0);
+        let shown_rad = shown_counts / self.counts_per_rad[0] + first_rad + error_rad(vector, 0, first_rad);
+        shown_rad - error_rad(vector, 0, shown_rad) - first_rad
     }
 
-    fn shown(&self, vector: &Vector, turned_rad: [Vec<f64>; 2]) -> Prediction {
+    /// Angle of a shaft at the first sample. An eccentric encoder shows another one.
+    fn first_rad(&self, vector: &Vector, own: &OwnParameters, encoder: usize) -> f64 {
+        let shown_rad = (self.first_counts[encoder] + own.offsets[encoder]) / self.counts_per_rad[encoder];
+        // The error itself is small, so two rounds leave its third power.
+        (0..2).fold(shown_rad, |it, _| shown_rad - error_rad(vector, encoder, it))
+    }
+
+    fn shown(&self, vector: &Vector, own: &OwnParameters, turned_rad: [Vec<f64>; 2]) -> Prediction {
         let counts = [0, 1].map(|encoder| {
-            let first_rad = self.angle_rad(vector, encoder, 0.0);
+            let first_rad = self.first_rad(vector, own, encoder);
             let first_error_rad = error_rad(vector, encoder, first_rad);
             let shown = |&turned_rad: &f64| {
                 let error_rad = error_rad(vector, encoder, first_rad + turned_rad) - first_error_rad;

@@ -100,7 +100,17 @@ impl HiddenPlant {
         let load_rad = within(-1.0, 1.0);
         let twist_rad = within(-0.9, 0.9) * mechanics.dead_zone_rad;
         let start = Start::at_rest(load_rad, mechanics.ratio * load_rad + twist_rad);
-        Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0, errors: Errors::default(), encoder_error_rad: [0.0; 2] }
+        Self {
+            mechanics,
+            shaft,
+            counts_per_rev,
+            signs,
+            start,
+            present: None,
+            noise_counts: 0.0,
+            errors: Errors::default(),
+            encoder_error_rad: [0.0; 2],
+        }
     }
 
     /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
@@ -195,10 +205,13 @@ impl DriveTrain for HiddenPlant {
             torques_nm.push(torque_nm);
             for (held_nm, held_s) in delay.step(torque_nm) {
                 for _ in 0..SUBSTEPS {
-                    let motor_rad = Plant::positions(plant).motor_position_rad;
+                    let part_s = held_s / f64::from(SUBSTEPS);
+                    let truth = plant.truth();
+                    // In the middle of the part.
+                    let motor_rad = truth.motor_position_rad + 0.5 * part_s * truth.motor_velocity_rad_s;
                     let cogging_nm = self.errors.cogging.at(f64::from(self.errors.per_turn) * motor_rad);
                     let total_nm = held_nm + self.errors.offset_nm + cogging_nm;
-                    plant.step(total_nm, held_s / f64::from(SUBSTEPS)).expect("a plant that can be followed");
+                    plant.step(total_nm, part_s).expect("a plant that can be followed");
                 }
             }
             if halt.is_some() {
