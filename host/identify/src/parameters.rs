@@ -196,10 +196,10 @@ impl Vector {
             shaft_damping_nm_s_rad: self.value(Parameter::ShaftDamping),
             load: stribeck(load_nm, Parameter::LoadExcess, load_rad_s),
             load_asymmetry: self.value(Parameter::LoadAsymmetry),
-            load_bristles: None,
             motor: stribeck(motor_nm, Parameter::MotorExcess, motor_rad_s),
             current_lag_s: self.value(Parameter::CurrentLag),
             torque_saturation_nm: *ShaftParameters::TORQUE_SATURATION_NM.end(),
+            ..ShaftParameters::paper()
         }
     }
 

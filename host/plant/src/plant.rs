@@ -41,6 +41,12 @@ pub trait Plant: Send {
     /// What the encoders read.
     fn positions(&self) -> Positions;
 
+    /// The load position that a run is judged by, in rad: by default what the encoder reads. A load with a part behind a
+    /// spring is judged by that part.
+    fn judged_load_position_rad(&self) -> f64 {
+        self.positions().load_position_rad
+    }
+
     /// Holds `torque_nm` at the motor for `dt_s` seconds.
     ///
     /// # Errors

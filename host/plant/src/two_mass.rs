@@ -26,6 +26,11 @@ pub trait TwoMass {
         Positions { motor_position_rad, load_position_rad }
     }
 
+    /// The load position that a run is judged by, in rad: by default that of the encoder.
+    fn judged_load_position_rad(&self, state: &Self::State) -> f64 {
+        self.positions(state).load_position_rad
+    }
+
     /// Imposes wear and load torque on a state.
     ///
     /// # Errors
@@ -88,6 +93,10 @@ impl<P: TwoMass<State: Send> + Send> Plant for RunningPlant<P> {
 
     fn positions(&self) -> Positions {
         self.plant.positions(&self.state)
+    }
+
+    fn judged_load_position_rad(&self) -> f64 {
+        self.plant.judged_load_position_rad(&self.state)
     }
 
     fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {

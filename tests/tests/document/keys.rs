@@ -44,6 +44,10 @@ until_s = 1.0
 motor_counts_per_rev = 4096
 load_counts_per_rev = 4096
 noise_counts = 1.0
+motor_noise_counts = 0.5
+load_noise_counts = 2.0
+motor_eccentricity_rad = 0.01
+load_eccentricity_rad = 0.001
 [controller]
 name = "pd"
 [controller.parameters]

@@ -68,13 +68,10 @@ impl Simulator {
             }
         }
         let encoders = &scenario.encoders;
-        let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
-            Ok(Encoder::new(counts_per_rev, encoders.noise_counts, seed)?)
-        };
         Ok(Self {
             plant,
-            motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
-            load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
+            motor_encoder: encoders.motor(scenario.run.seed)?,
+            load_encoder: encoders.load(scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             counts: [0; 2],
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
@@ -157,7 +154,8 @@ impl Simulator {
     fn observation(&self, positions: Positions, time_s: f64, reference_rad: f64) -> Observation {
         let mut plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant.signals().len()).collect();
         self.plant.truth(&mut plant);
-        let Positions { motor_position_rad, load_position_rad } = positions;
+        let motor_position_rad = positions.motor_position_rad;
+        let load_position_rad = self.plant.judged_load_position_rad();
         let row = TraceRow { time_s, reference_rad, load_position_rad, motor_position_rad, torque_nm: 0.0 };
         Observation { row, plant }
     }

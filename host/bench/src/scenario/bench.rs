@@ -186,7 +186,7 @@ pub(super) fn check(
     let pins = "has no effect in bench mode, whose plant is at the pins; omit it";
     let torque = "has no effect in bench mode, whose torque goes to the pins; omit it";
     let resume = "is not available in bench mode: a real motor must not start again by itself; omit it";
-    let noise = "has no effect in bench mode, whose encoders are real; omit it";
+    let error = "has no effect in bench mode, whose encoders are real; omit it";
     let process = "belongs to a simulated loop, which bench mode doesn't have; take another model";
     let moving = plant.initial.load_velocity_rad_s != 0.0 || plant.initial.motor_velocity_rad_s != 0.0;
     for (is_wrong, key, reason) in [
@@ -195,7 +195,6 @@ pub(super) fn check(
         (plant.torque_delay_us() > 0, "plant.torque_delay_us", pins),
         (plant.model.name() == process_plant::NAME, "plant.model", process),
         (moving, "plant.initial", "has a velocity, but a bench starts at rest; omit the velocities"),
-        (encoders.noise_counts > 0.0, "encoders.noise_counts", noise),
         (line.delay_us > 0, "line.delay_us", torque),
         (line.jitter_us > 0, "line.jitter_us", torque),
         (line.loss > 0.0, "line.loss", torque),
@@ -204,6 +203,9 @@ pub(super) fn check(
         if is_wrong {
             root.reject(key, reason);
         }
+    }
+    for (key, _) in encoders.errors().into_iter().filter(|(_, value)| *value > 0.0) {
+        root.reject(key, error);
     }
 }
 

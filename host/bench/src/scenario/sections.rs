@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
+use lashloop_plant::ParameterError;
+use lashloop_plant::encoder::{
+    Encoder, MAX_COUNTS_PER_REV, MAX_ECCENTRICITY_RAD, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV,
+};
 use serde::{Deserialize, Serialize};
 
 use super::declare::{Field, choice, integer, number, placed_texts};
@@ -116,8 +119,51 @@ settings! {
         pub motor_counts_per_rev: u32 = integer(MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV).or(131_072),
         /// Counts per revolution of the load, after quadrature.
         pub load_counts_per_rev: u32 = integer(MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV).or(131_072),
-        /// Amplitude of the noise added before counting, uniform within +- this.
+        /// Amplitude of the noise of both encoders, added before counting, uniform within +- this.
         pub noise_counts: f64 = number(0.0..=MAX_NOISE_COUNTS).or(0.0),
+        /// The same of the motor's encoder alone; absent for `noise_counts`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub motor_noise_counts: Option<f64> = number(0.0..=MAX_NOISE_COUNTS).optional(),
+        /// The same of the load's encoder alone; absent for `noise_counts`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub load_noise_counts: Option<f64> = number(0.0..=MAX_NOISE_COUNTS).optional(),
+        /// Once-per-turn error e of the motor's encoder, which shows theta + e sin(theta).
+        pub motor_eccentricity_rad: f64 = number(0.0..=MAX_ECCENTRICITY_RAD).or(0.0),
+        /// The same of the load's encoder.
+        pub load_eccentricity_rad: f64 = number(0.0..=MAX_ECCENTRICITY_RAD).or(0.0),
+    }
+}
+
+impl EncoderSettings {
+    /// The motor's encoder at the start of its noise.
+    ///
+    /// # Errors
+    /// A value is outside its range.
+    pub fn motor(&self, seed: u64) -> Result<Encoder, ParameterError> {
+        let noise_counts = self.motor_noise_counts.unwrap_or(self.noise_counts);
+        Encoder::new(self.motor_counts_per_rev, noise_counts, seed)?
+            .with_eccentricity(self.motor_eccentricity_rad)
+    }
+
+    /// The load's encoder at the start of its noise.
+    ///
+    /// # Errors
+    /// A value is outside its range.
+    pub fn load(&self, seed: u64) -> Result<Encoder, ParameterError> {
+        let noise_counts = self.load_noise_counts.unwrap_or(self.noise_counts);
+        Encoder::new(self.load_counts_per_rev, noise_counts, seed)?
+            .with_eccentricity(self.load_eccentricity_rad)
+    }
+
+    /// Keys that displace the shown angle, with their values.
+    pub(super) fn errors(&self) -> [(&'static str, f64); 5] {
+        [
+            ("encoders.noise_counts", self.noise_counts),
+            ("encoders.motor_noise_counts", self.motor_noise_counts.unwrap_or_default()),
+            ("encoders.load_noise_counts", self.load_noise_counts.unwrap_or_default()),
+            ("encoders.motor_eccentricity_rad", self.motor_eccentricity_rad),
+            ("encoders.load_eccentricity_rad", self.load_eccentricity_rad),
+        ]
     }
 }
 

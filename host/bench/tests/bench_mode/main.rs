@@ -84,8 +84,10 @@ fn what_acts_on_a_simulated_loop_is_rejected_by_name() {
         let error = read(&format!("{SMOOTH_AFTER}\n{more}"), &[]).expect_err("not in bench mode");
         assert!(error.replace('"', "").contains(want), "{want}: {error}");
     }
-    let noise = Override::Set("encoders.noise_counts=1".to_owned());
-    assert!(read(SMOOTH_AFTER, &[noise]).expect_err("noise").contains("noise_counts"));
+    for key in ["noise_counts", "motor_noise_counts", "load_eccentricity_rad"] {
+        let error = Override::Set(format!("encoders.{key}=0.1"));
+        assert!(read(SMOOTH_AFTER, &[error]).expect_err("an error of an encoder").contains(key));
+    }
     for kind in ["link-cut", "link-stall"] {
         let text = format!("{SMOOTH_AFTER}\n[[fault]]\nat_s = 1.0\nfor_s = 0.1\nkind = \"{kind}\"\n");
         read(&text, &[]).expect("the link can be lost in bench mode");

@@ -54,6 +54,21 @@ fn defaults_are_1_khz_fine_encoders_and_a_flawless_link() {
 }
 
 #[test]
+fn each_encoder_has_noise_and_eccentricity_of_its_own() {
+    let keys = ["noise_counts=2", "load_noise_counts=0", "motor_eccentricity_rad=0.03"];
+    let set = keys.map(|key| Override::Set(format!("encoders.{key}")));
+    let encoders = read(SHORTEST, &set).expect("a good scenario").encoders;
+    let mut plain = read(SHORTEST, &[]).expect("a good scenario").encoders.load(1).expect("an encoder");
+    let [mut motor, mut load] = [encoders.motor(1), encoders.load(1)].map(|it| it.expect("an encoder"));
+    assert!((0..100).all(|at| load.read(f64::from(at)) == plain.read(f64::from(at))));
+    let error = motor.read(FRAC_PI_2) - plain.read(FRAC_PI_2);
+    let eccentricity = 0.03 / std::f64::consts::TAU * 131_072.0;
+    assert!((error as f64 - eccentricity).abs() < 3.0, "have {error}, want {eccentricity} counts +- 3");
+    let noise: std::collections::BTreeSet<_> = (0..100).map(|_| motor.read(0.0)).collect();
+    assert_eq!(noise.into_iter().collect::<Vec<_>>(), [-2, -1, 0, 1]);
+}
+
+#[test]
 fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
     for name in ["motor_counts_per_rev", "load_counts_per_rev"] {
         let entry =
@@ -182,6 +197,8 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     motor_counts_per_rev = 131072
     load_counts_per_rev = 131072
     noise_counts = 0.0
+    motor_eccentricity_rad = 0.0
+    load_eccentricity_rad = 0.0
 
     [controller]
     name = "pd"

@@ -29,14 +29,17 @@ impl BacklashShaft {
             + self.parameters.shaft_damping_nm_s_rad * twist_rate
     }
 
-    /// Torque that drives the load against its friction, N0 C + T, in N m.
+    /// Torque that drives the load against its friction in N m: N0 C + T, and that of the outer mass.
     pub(super) fn load_drive_nm(&self, at: &ShaftCoordinates, contact: Contact) -> f64 {
-        self.mechanics.ratio * self.transmitted_torque_nm(at, contact) + at.surroundings.load_torque_nm
+        let drive_nm =
+            self.mechanics.ratio * self.transmitted_torque_nm(at, contact) + at.surroundings.load_torque_nm;
+        self.load_mode.map_or(drive_nm, |mode| drive_nm + mode.torque_nm(at.outer, &at.x))
     }
 
-    /// Torque that drives the motor against its friction, tau - C, in N m.
+    /// Torque that drives the motor against its friction, tau and cogging - C, in N m.
     pub(super) fn motor_drive_nm(&self, at: &ShaftCoordinates, contact: Contact) -> f64 {
-        at.motor_torque_nm - self.transmitted_torque_nm(at, contact)
+        at.motor_torque_nm + self.cogging.torque_nm(at.x[MOTOR_POSITION])
+            - self.transmitted_torque_nm(at, contact)
     }
 
     /// Guard of a flank: its distance while the gap is open, the torque that pushes on it while it is in contact.

@@ -14,6 +14,8 @@
 //! |---|---|
 //! | `parameters` | what is constant |
 //! | `stribeck`, `lugre` | dry friction |
+//! | `cogging` | torque of the motor without current |
+//! | `load_mode` | a load of two masses |
 //! | `shaft`, `state` | prepared parameters; coordinates, modes, and the surroundings, which may change in a run |
 //! | `contact` | the gap: transmitted torque, flanks, relaxation |
 //! | `motion` | the right-hand side |
@@ -22,7 +24,9 @@
 //! | `plant` | the plant made of all these |
 //! | `model` | its keys in scenarios |
 
+mod cogging;
 mod contact;
+mod load_mode;
 mod lugre;
 mod model;
 mod modes;
@@ -36,6 +40,8 @@ mod substeps;
 
 pub use model::{NAME, model};
 pub use modes::{ShaftGuard, ShaftStride};
-pub use parameters::{BristleParameters, ShaftParameters, StribeckParameters};
+pub use parameters::{
+    BristleParameters, CoggingParameters, LoadModeParameters, ShaftParameters, StribeckParameters,
+};
 pub use shaft::BacklashShaft;
 pub use state::{BacklashShaftState, ShaftCoordinates, ShaftMode};

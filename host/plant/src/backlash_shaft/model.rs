@@ -25,13 +25,29 @@ pub fn model() -> PlantModel {
     PlantModel::new(NAME, summary, all, build).with_changes(changes)
 }
 
-fn keys() -> [Key; 14] {
-    let [damping, load_c, load_s, load_v, asymmetry, motor_c, motor_s, motor_v, saturation] =
-        ShaftParameters::keys();
+fn keys() -> Vec<Key> {
+    let [
+        damping,
+        load_c,
+        load_s,
+        load_v,
+        asymmetry,
+        mode_fraction,
+        mode_hz,
+        mode_damping,
+        motor_c,
+        motor_s,
+        motor_v,
+        motor_asymmetry,
+        cogging,
+        cogging_per_turn,
+        offset,
+        saturation,
+    ] = ShaftParameters::keys();
     let [bristle_stiffness, bristle_damping] =
         BristleParameters::keys().map(|key| key.only_with("load_friction", "lugre"));
     let lag_ms = 0.0..=1e3 * ShaftParameters::CURRENT_LAG_S.end();
-    [
+    vec![
         damping,
         Key::choice(
             "load_friction",
@@ -44,9 +60,16 @@ fn keys() -> [Key; 14] {
         asymmetry,
         bristle_stiffness,
         bristle_damping,
+        mode_fraction,
+        mode_hz,
+        mode_damping,
         motor_c,
         motor_s.at_least("motor_coulomb_nm"),
         motor_v,
+        motor_asymmetry,
+        cogging,
+        cogging_per_turn,
+        offset,
         Key::number("current_lag_ms", "ms", 0.5, lag_ms, "Time constant T_i of the current loop."),
         saturation,
         Key::torque_delay(1000),

@@ -1,6 +1,10 @@
 //! Modes of the backlash shaft: one step within a mode, its guards, and the mode that follows.
 
+use nalgebra::SVector;
+
+use super::load_mode::{LoadMode, MassState};
 use super::motion::Masses;
+use super::parameters::ShaftParameters;
 use super::shaft::BacklashShaft;
 use super::state::{ShaftCoordinates, ShaftMode};
 use crate::coordinates::{LOAD_VELOCITY, MOTOR_VELOCITY};
@@ -36,7 +40,23 @@ fn remaining(time_s: f64, time_constant_s: f64) -> f64 {
 
 impl BacklashShaft {
     fn command_nm(&self, torque_nm: f64) -> f64 {
-        torque_nm.clamp(-self.parameters.torque_saturation_nm, self.parameters.torque_saturation_nm)
+        let ShaftParameters { torque_offset_nm, torque_saturation_nm, .. } = self.parameters;
+        (torque_nm + torque_offset_nm).clamp(-torque_saturation_nm, torque_saturation_nm)
+    }
+
+    /// Coordinates, energies and outer mass after one step of Runge-Kutta.
+    #[inline(always)]
+    fn stepped<const LUGRE: bool>(
+        &self,
+        at: &ShaftCoordinates,
+        mode: ShaftMode,
+        masses: &Masses<'_, LUGRE>,
+        h_s: f64,
+    ) -> (SVector<f64, 7>, MassState) {
+        let Some(load_mode) = &self.load_mode else { return (runge_kutta(&at.x, h_s, masses), at.outer) };
+        let moves = LUGRE || mode.load != DryFriction::Stick;
+        let rates = load_mode.rates(masses, if moves { self.per_load_inertia } else { 0.0 });
+        LoadMode::parted(&runge_kutta(&LoadMode::joined(&at.x, at.outer), h_s, &rates))
     }
 
     /// The mode after the friction state of masses at rest follows their driving torques.
@@ -84,12 +104,12 @@ impl HybridSystem for BacklashShaft {
         let behind_nm = at.motor_torque_nm - command_nm;
         let [middle, end] = stride.lag.map(|fraction| command_nm + behind_nm * fraction);
         let motor_torque_nm = [at.motor_torque_nm, middle, end];
-        let x = if self.load_friction.bristles.is_some() {
-            runge_kutta(&at.x, stride.h_s, &Masses::<true>::new(self, at, mode, motor_torque_nm))
+        let (x, outer) = if self.load_friction.bristles.is_some() {
+            self.stepped(at, mode, &Masses::<true>::new(self, at, mode, motor_torque_nm), stride.h_s)
         } else {
-            runge_kutta(&at.x, stride.h_s, &Masses::<false>::new(self, at, mode, motor_torque_nm))
+            self.stepped(at, mode, &Masses::<false>::new(self, at, mode, motor_torque_nm), stride.h_s)
         };
-        let mut next = ShaftCoordinates { x, motor_torque_nm: end, ..*at };
+        let mut next = ShaftCoordinates { x, outer, motor_torque_nm: end, ..*at };
         if mode.contact == Contact::Gap {
             self.relax(at, &mut next, stride.relaxation);
         }
@@ -139,7 +159,7 @@ impl HybridSystem for BacklashShaft {
     }
 
     fn is_in_range(&self, at: &ShaftCoordinates) -> bool {
-        let rest = [at.gap_position_rad, at.motor_torque_nm];
+        let rest = [at.gap_position_rad, at.motor_torque_nm, at.outer.position_rad, at.outer.velocity_rad_s];
         are_in_range(at.x.iter().chain(&rest))
     }
 }

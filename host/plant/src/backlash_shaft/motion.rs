@@ -77,8 +77,8 @@ impl<const LUGRE: bool> Rates<7> for Masses<'_, LUGRE> {
                 + sign * plant.motor_friction.magnitude_nm(motor_velocity, sign);
             dissipated_w += friction_nm * motor_velocity;
             rates[MOTOR_POSITION] = motor_velocity;
-            rates[MOTOR_VELOCITY] =
-                (motor_torque_nm - transmitted_nm - friction_nm) * plant.per_motor_inertia;
+            let driving_nm = motor_torque_nm + plant.cogging.torque_nm(x[MOTOR_POSITION]);
+            rates[MOTOR_VELOCITY] = (driving_nm - transmitted_nm - friction_nm) * plant.per_motor_inertia;
         }
         rates[SUPPLIED] = motor_torque_nm * motor_velocity + self.load_torque_nm * load_velocity;
         rates[DISSIPATED] = dissipated_w;

@@ -18,8 +18,16 @@ pub struct ShaftParameters {
     pub load_asymmetry: f64,
     /// Bristles that make the load's friction LuGre friction; `None` for Stribeck friction.
     pub load_bristles: Option<BristleParameters>,
+    /// The load as two masses; one mass if no part of it is behind the spring.
+    pub load_mode: LoadModeParameters,
     /// Dry friction on the motor.
     pub motor: StribeckParameters,
+    /// Fraction by which friction on the motor is larger forwards and smaller backwards.
+    pub motor_asymmetry: f64,
+    /// Torque of the motor without current.
+    pub cogging: CoggingParameters,
+    /// Torque in N m that the drive adds to every command.
+    pub torque_offset_nm: f64,
     /// Lag T_i of the current loop in s; zero for an ideal one.
     pub current_lag_s: f64,
     /// Largest torque U_max of the motor in N m.
@@ -46,6 +54,26 @@ pub struct BristleParameters {
     pub damping_nm_s_rad: f64,
 }
 
+/// A part of the load behind a spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadModeParameters {
+    /// Fraction of the load's inertia behind the spring; 0 for a rigid load.
+    pub fraction: f64,
+    /// Frequency in Hz at which both masses of the load swing against each other with the gap open, undamped.
+    pub frequency_hz: f64,
+    /// Damping of that oscillation as a ratio to critical damping.
+    pub damping_ratio: f64,
+}
+
+/// A torque A sin(n theta_e) on the motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoggingParameters {
+    /// Amplitude A in N m.
+    pub amplitude_nm: f64,
+    /// Periods n per turn of the motor.
+    pub per_turn: f64,
+}
+
 /// Allowed dry friction; stiction is at least the Coulomb friction.
 const TORQUE_NM: RangeInclusive<f64> = 0.0..=1e6;
 /// Allowed Stribeck velocity.
@@ -59,10 +87,19 @@ numbers! { ShaftParameters, paper, it:
     load.velocity_rad_s: "load_stribeck_rad_s", "rad/s", VELOCITY_RAD_S, "Stribeck velocity v_s of the load.";
     load_asymmetry: "load_friction_asymmetry", "", -0.9..=0.9,
         "Fraction by which the load's friction is larger forwards and smaller backwards.";
+    load_mode.fraction: "load_mode_fraction", "", 0.0..=0.95,
+        "Fraction of the load's inertia behind a spring; 0 for a rigid load.";
+    load_mode.frequency_hz: "load_mode_hz", "Hz", 0.1..=1e4, "Frequency of the load's two masses against each other.";
+    load_mode.damping_ratio: "load_mode_damping", "", 0.0..=1.0, "Damping ratio of the load's two masses.";
     motor.coulomb_nm: "motor_coulomb_nm", "N m", TORQUE_NM, "Coulomb friction F_c of the motor.";
     motor.stiction_nm: "motor_stiction_nm", "N m", it.motor.coulomb_nm..=*TORQUE_NM.end(), given TORQUE_NM,
         "Stiction F_s of the motor, from F_c.";
     motor.velocity_rad_s: "motor_stribeck_rad_s", "rad/s", VELOCITY_RAD_S, "Stribeck velocity v_s of the motor.";
+    motor_asymmetry: "motor_friction_asymmetry", "", -0.9..=0.9,
+        "Fraction by which the motor's friction is larger forwards and smaller backwards.";
+    cogging.amplitude_nm: "cogging_nm", "N m", 0.0..=1e3, "Amplitude A of the cogging torque A sin(n theta_e) of the motor.";
+    cogging.per_turn: "cogging_per_turn", "", 1.0..=1e3, "Periods n of the cogging torque per turn of the motor.";
+    torque_offset_nm: "torque_offset_nm", "N m", -1e3..=1e3, "Torque added to every command before saturation.";
     torque_saturation_nm: "torque_saturation_nm", "N m", Self::TORQUE_SATURATION_NM, "Limit U_max of the motor's torque.";
 }
 
@@ -85,7 +122,11 @@ impl ShaftParameters {
             load: StribeckParameters { coulomb_nm: 3.40, stiction_nm: 3.82, velocity_rad_s: 0.03 },
             load_asymmetry: 0.0,
             load_bristles: None,
+            load_mode: LoadModeParameters { fraction: 0.0, frequency_hz: 10.0, damping_ratio: 0.02 },
             motor: StribeckParameters { coulomb_nm: 0.02, stiction_nm: 0.025, velocity_rad_s: 0.2 },
+            motor_asymmetry: 0.0,
+            cogging: CoggingParameters { amplitude_nm: 0.0, per_turn: 12.0 },
+            torque_offset_nm: 0.0,
             current_lag_s: 5e-4,
             torque_saturation_nm: 20.0,
         }

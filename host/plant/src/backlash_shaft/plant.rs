@@ -1,8 +1,9 @@
 //! The plant: release, step, truth, and changes while it runs.
 
+use super::load_mode::MassState;
 use super::shaft::BacklashShaft;
 use super::state::{BRISTLE, BacklashShaftState, ShaftCoordinates, ShaftMode, Surroundings};
-use crate::coordinates::{self, DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
+use crate::coordinates::{self, DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY};
 use crate::integrator;
 use crate::mode::{Contact, DryFriction};
 use crate::{Environment, PlantError, Positions, Release, RunningPlant, Start, Truth, TwoMass};
@@ -15,6 +16,10 @@ impl TwoMass for BacklashShaft {
         let twist_rad = self.mechanics.twist_of(start.load_position_rad, start.motor_position_rad);
         let coordinates = ShaftCoordinates {
             x: start.coordinates().fixed_resize::<7, 1>(0.0),
+            outer: MassState {
+                position_rad: start.load_position_rad,
+                velocity_rad_s: start.load_velocity_rad_s,
+            },
             gap_position_rad: twist_rad.clamp(-half_gap, half_gap),
             motor_torque_nm: 0.0,
             surroundings: Surroundings { dead_zone_rad: half_gap, load_torque_nm: 0.0 },
@@ -57,10 +62,13 @@ impl TwoMass for BacklashShaft {
             None => (self.load_friction.curve.torque_nm(mode.load, load_velocity, load_drive_nm), 0.0),
         };
         let transmitted_nm = self.transmitted_torque_nm(at, mode.contact);
-        let elastic_j = self.shaft_energy_j(at) + bristle_energy_j;
+        let elastic_j = self.potential_energy_j(at) + bristle_energy_j;
         let motor_drive_nm = self.motor_drive_nm(at, mode.contact);
         let x = at.x.fixed_rows::<6>(0).into_owned();
+        let truth = self.mechanics.truth(&x, at.motor_torque_nm, transmitted_nm, elastic_j, mode.contact);
+        let outer_j = self.load_mode.map_or(0.0, |mode| mode.kinetic_j(at.outer, load_velocity));
         Truth {
+            kinetic_energy_j: truth.kinetic_energy_j + outer_j,
             load_torque_nm: at.surroundings.load_torque_nm,
             gap_position_rad: at.gap_position_rad,
             load_friction: mode.load,
@@ -68,9 +76,15 @@ impl TwoMass for BacklashShaft {
             load_dry_friction_nm,
             motor_dry_friction_nm: self.motor_friction.torque_nm(mode.motor, motor_velocity, motor_drive_nm),
             dead_zone_rad: at.surroundings.dead_zone_rad,
-            ..self.mechanics.truth(&x, at.motor_torque_nm, transmitted_nm, elastic_j, mode.contact)
+            ..truth
         }
     }
+
+    fn judged_load_position_rad(&self, state: &BacklashShaftState) -> f64 {
+        let at = &state.coordinates;
+        if self.load_mode.is_some() { at.outer.position_rad } else { at.x[LOAD_POSITION] }
+    }
+
     /// A gap that widens under a twisted shaft lets the shaft unwind; the energy set free counts as dissipated.
     fn set_environment(
         &self,
@@ -105,11 +119,17 @@ impl TwoMass for BacklashShaft {
 }
 
 impl BacklashShaft {
-    /// Replaces the parameters. The shaft's energy that the change sets free counts as dissipated, the energy it binds as
+    /// Energy in the springs and in the motor's field, in J.
+    fn potential_energy_j(&self, at: &ShaftCoordinates) -> f64 {
+        let load_mode_j = self.load_mode.map_or(0.0, |mode| mode.elastic_j(at.outer, at.x[LOAD_POSITION]));
+        self.shaft_energy_j(at) + self.cogging.energy_j(at.x[MOTOR_POSITION]) + load_mode_j
+    }
+
+    /// Replaces the parameters. The potential energy that the change sets free counts as dissipated, the energy it binds as
     /// negative dissipation.
     fn replace(&mut self, coordinates: &mut ShaftCoordinates, parameters: Self) {
         coordinates.x[DISSIPATED] +=
-            self.shaft_energy_j(coordinates) - parameters.shaft_energy_j(coordinates);
+            self.potential_energy_j(coordinates) - parameters.potential_energy_j(coordinates);
         *self = parameters;
     }
 }

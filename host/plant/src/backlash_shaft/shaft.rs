@@ -1,5 +1,7 @@
 //! Parameters of the backlash shaft, validated and prepared for the integration.
 
+use super::cogging::Cogging;
+use super::load_mode::LoadMode;
 use super::lugre::LoadFriction;
 use super::parameters::ShaftParameters;
 use super::stribeck::Stribeck;
@@ -13,7 +15,9 @@ pub struct BacklashShaft {
     pub(super) parameters: ShaftParameters,
     pub(super) load_friction: LoadFriction,
     pub(super) motor_friction: Stribeck,
-    /// 1 / J_s and 1 / J_m: a division would take longer than the rest of a right-hand side.
+    pub(super) cogging: Cogging,
+    pub(super) load_mode: Option<LoadMode>,
+    /// 1 / J_s, of the mass at the gear if the load has two, and 1 / J_m: a division would take longer than the rest of a right-hand side.
     pub(super) per_load_inertia: f64,
     pub(super) per_motor_inertia: f64,
     pub(super) substeps: u32,
@@ -35,13 +39,16 @@ impl BacklashShaft {
         validate_substeps(substeps)?;
         let curve = Stribeck::new(parameters.load, parameters.load_asymmetry);
         let load_friction = LoadFriction { curve, bristles: parameters.load_bristles };
-        let motor_friction = Stribeck::new(parameters.motor, 0.0);
+        let motor_friction = Stribeck::new(parameters.motor, parameters.motor_asymmetry);
+        let at_gear_kg_m2 = mechanics.load_inertia_kg_m2 * (1.0 - parameters.load_mode.fraction);
         Ok(Self {
             mechanics,
             parameters,
             load_friction,
             motor_friction,
-            per_load_inertia: 1.0 / mechanics.load_inertia_kg_m2,
+            cogging: Cogging::new(parameters.cogging),
+            load_mode: LoadMode::new(parameters.load_mode, mechanics.load_inertia_kg_m2),
+            per_load_inertia: 1.0 / at_gear_kg_m2,
             per_motor_inertia: 1.0 / mechanics.motor_inertia_kg_m2,
             substeps,
         })

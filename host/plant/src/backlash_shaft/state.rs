@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::load_mode::MassState;
 use crate::error::{in_range, within};
 use crate::mode::{Contact, DryFriction};
 use crate::{Mechanics, ParameterError};
@@ -21,6 +22,8 @@ pub struct ShaftMode {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShaftCoordinates {
     pub(super) x: SVector<f64, 7>,
+    /// The load's outer mass; without a load mode it stays where the load started.
+    pub(super) outer: MassState,
     /// theta_b.
     pub(super) gap_position_rad: f64,
     /// tau.

@@ -28,19 +28,25 @@ impl BacklashShaft {
     /// A bound on the eigenvalues in contact, in 1/s.
     fn fastest_rate_per_s(&self, load_velocity_rad_s: f64) -> f64 {
         let m = &self.mechanics;
-        let compliance = 1.0 / m.motor_inertia_kg_m2 + m.ratio * m.ratio / m.load_inertia_kg_m2;
-        let viscous_per_s = m.motor_friction_nm_s_rad / m.motor_inertia_kg_m2
-            + m.load_friction_nm_s_rad / m.load_inertia_kg_m2;
+        let load_inertia = m.load_inertia_kg_m2 * (1.0 - self.parameters.load_mode.fraction);
+        let compliance = 1.0 / m.motor_inertia_kg_m2 + m.ratio * m.ratio / load_inertia;
+        let viscous_per_s =
+            m.motor_friction_nm_s_rad / m.motor_inertia_kg_m2 + m.load_friction_nm_s_rad / load_inertia;
         let shaft = second_order(
             self.parameters.shaft_damping_nm_s_rad * compliance + viscous_per_s,
-            m.stiffness_nm_rad * compliance,
+            m.stiffness_nm_rad * compliance + self.cogging.stiffness_nm_rad() / m.motor_inertia_kg_m2,
         );
+        let load_mode = self.load_mode.map_or(0.0, |mode| {
+            let [frequency_per_s, damping_per_s] = mode.rates_per_s;
+            second_order(damping_per_s, frequency_per_s * frequency_per_s)
+        });
+        let shaft = shaft + load_mode;
         let Some(bristles) = self.load_friction.bristles else { return shaft };
         let sliding_per_s =
             bristles.stiffness_nm_rad * libm::fabs(load_velocity_rad_s) / self.load_friction.curve.least_nm();
         let bristle = second_order(
-            bristles.damping_nm_s_rad / m.load_inertia_kg_m2 + sliding_per_s,
-            bristles.stiffness_nm_rad / m.load_inertia_kg_m2,
+            bristles.damping_nm_s_rad / load_inertia + sliding_per_s,
+            bristles.stiffness_nm_rad / load_inertia,
         );
         shaft + bristle
     }

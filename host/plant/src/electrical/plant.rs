@@ -137,6 +137,10 @@ impl Plant for ElectricalPlant {
         self.plant.positions()
     }
 
+    fn judged_load_position_rad(&self) -> f64 {
+        self.plant.judged_load_position_rad()
+    }
+
     fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
         if !torque_nm.is_finite() {
             return Err(PlantError::Torque { torque_nm });

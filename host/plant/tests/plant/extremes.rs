@@ -1,6 +1,9 @@
 //! For all parameters and torques a plant returns finite numbers or an error, never a panic or NaN.
 
-use lashloop_plant::backlash_shaft::{BacklashShaft, BristleParameters, ShaftParameters, StribeckParameters};
+use lashloop_plant::backlash_shaft::{
+    BacklashShaft, BristleParameters, CoggingParameters, LoadModeParameters, ShaftParameters,
+    StribeckParameters,
+};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Environment, Mechanics, PlantError, RunningPlant, Start, Truth, TwoMass};
@@ -53,6 +56,22 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn load_mode()(
+        fraction in prop_oneof![Just(0.0), 0.0..=0.95],
+        frequency_hz in size(0.1, 1e4),
+        damping_ratio in 0.0..=1.0,
+    ) -> LoadModeParameters {
+        LoadModeParameters { fraction, frequency_hz, damping_ratio }
+    }
+}
+
+prop_compose! {
+    fn cogging()(amplitude_nm in size_or_zero(1e-6, 1e3), per_turn in size(1.0, 1e3)) -> CoggingParameters {
+        CoggingParameters { amplitude_nm, per_turn }
+    }
+}
+
+prop_compose! {
     fn parameters()(
         shaft_damping_nm_s_rad in size_or_zero(1e-12, 1e6),
         load in stribeck(),
@@ -61,14 +80,18 @@ prop_compose! {
         damping_nm_s_rad in size_or_zero(1e-6, 1e9),
         bends in any::<bool>(),
         motor in stribeck(),
+        motor_asymmetry in -0.9..=0.9,
+        load_mode in load_mode(),
+        cogging in cogging(),
+        torque_offset_nm in signed(1e-6, 1e3),
         current_lag_s in size_or_zero(1e-9, 10.0),
         torque_saturation_nm in size(1e-6, 1e6),
     ) -> ShaftParameters {
         let load_bristles = (bends && load.coulomb_nm > 0.0)
             .then_some(BristleParameters { stiffness_nm_rad, damping_nm_s_rad });
         ShaftParameters {
-            shaft_damping_nm_s_rad, load, load_asymmetry, load_bristles, motor, current_lag_s,
-            torque_saturation_nm,
+            shaft_damping_nm_s_rad, load, load_asymmetry, load_bristles, load_mode, motor, motor_asymmetry, cogging,
+            torque_offset_nm, current_lag_s, torque_saturation_nm,
         }
     }
 }
@@ -190,6 +213,7 @@ proptest! {
     fn backlash_shaft_near_the_paper_never_fails(
         scale in prop::array::uniform10(0.33_f64..3.0), torques in prop::collection::vec(-10.0..10.0, 200),
         bends in any::<bool>(), asymmetry in -0.5..0.5, wear in 0.0..1e-3, load_torque_nm in -5.0..5.0,
+        fraction in prop_oneof![Just(0.0), 0.0..0.9], frequency_hz in 5.0..50.0, amplitude_nm in 0.0..0.2,
     ) {
         let [a, b, c, d, e, f, g, h, i, j] = scale;
         let paper = Mechanics::paper();
@@ -212,11 +236,15 @@ proptest! {
             load_asymmetry: asymmetry,
             load_bristles: bends.then_some(BristleParameters { stiffness_nm_rad: 3.4e4 * i, damping_nm_s_rad: 300.0 }),
             motor: stribeck(paper.motor, g, h, i),
+            motor_asymmetry: -asymmetry,
+            load_mode: LoadModeParameters { fraction, frequency_hz, ..paper.load_mode },
+            cogging: CoggingParameters { amplitude_nm, ..paper.cogging },
             current_lag_s: j * paper.current_lag_s,
             ..paper
         };
         let plant = BacklashShaft::new(mechanics, parameters, 16).expect("in range");
         let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, 0.0));
+        let start_j = plant.truth().energy_j();
         let mut turned_over_j = 1.0;
         for (k, torque_nm) in torques.into_iter().enumerate() {
             let environment = Environment { gap_growth_rad: wear * k as f64, load_torque_nm };
@@ -228,7 +256,8 @@ proptest! {
             }
             let truth = plant.truth();
             turned_over_j += (truth.supplied_energy_j - before_j).abs();
-            let imbalance_j = truth.energy_j() - truth.supplied_energy_j + truth.dissipated_energy_j;
+            let imbalance_j =
+                truth.energy_j() - start_j - truth.supplied_energy_j + truth.dissipated_energy_j;
             prop_assert!(imbalance_j.abs() < 1e-5 * turned_over_j, "{imbalance_j} of {turned_over_j} J");
             prop_assert!(truth.gap_position_rad.abs() <= truth.dead_zone_rad + 1e-9, "{truth:?}");
             prop_assert!(truth.contact.sign() * truth.transmitted_torque_nm >= -1e-9, "{truth:?}");

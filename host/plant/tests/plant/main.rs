@@ -2,3 +2,4 @@
 
 mod events;
 mod extremes;
+mod motor_and_load;
