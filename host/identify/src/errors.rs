@@ -126,9 +126,8 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         low: offset_nm - half_nm,
         high: offset_nm + half_nm,
     });
-    let cogging_of = [Parameter::CoggingCosine, Parameter::CoggingSine];
-    let cogging = Wave::of(fit, cogging_of);
-    let is_cogging_shown = cogging_of.iter().all(|it| is_shown(fit, prior, *it));
+    let cogging = Wave::of(fit, Parameter::COGGING);
+    let is_cogging_shown = Parameter::COGGING.iter().all(|it| is_shown(fit, prior, *it));
     let shown = |estimate: Option<Estimate>| estimate.filter(|_| is_cogging_shown);
     let per_turn = cogging.is_clear().then(|| per_turn(&fit.per_turn)).flatten();
     let edge_rad = f64::from(fit.point.vector.cogging_per_turn) / counts_per_rad[0];

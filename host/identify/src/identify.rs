@@ -123,7 +123,6 @@ fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) 
 
 /// Fits all but the cogging, then all with the counts per turn that explain the most of what is left.
 fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -> Option<Fit> {
-    let is_cogging = |it| matches!(it, Parameter::CoggingCosine | Parameter::CoggingSine);
     let problem = |is_free, substeps| Problem {
         motions,
         used: (0..motions.len()).collect(),
@@ -132,9 +131,8 @@ fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -
         is_free,
         substeps,
     };
-    point.vector.set(Parameter::CoggingCosine, 0.0);
-    point.vector.set(Parameter::CoggingSine, 0.0);
-    let smooth = problem(prior.free(|it| !is_cogging(it)), Substeps::Coarse);
+    point.vector = point.vector.smooth();
+    let smooth = problem(prior.free(|it| !Parameter::COGGING.contains(&it)), Substeps::Coarse);
     let coarse = smooth.fit(point, ITERATIONS)?;
     let candidates = smooth.cogging(&coarse.point)?;
     let all = prior.free(|_| true);

@@ -4,7 +4,7 @@
 //! only scales what the load encoder shows. Positive quantities are varied by their logarithm, so that a step is a factor
 //! and no value leaves its range. Errors of torque and encoders are varied as they are.
 
-use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckParameters};
+use lashloop_plant::backlash_shaft::{BacklashShaft, CoggingParameters, ShaftParameters, StribeckParameters};
 use lashloop_plant::{Mechanics, ParameterError};
 
 /// Number of parameters.
@@ -69,8 +69,8 @@ impl Parameter {
         Self::LoadCosine,
         Self::LoadSine,
     ];
-    /// What the torque is off by.
-    pub(crate) const OF_TORQUE: [Self; 3] = [Self::TorqueOffset, Self::CoggingCosine, Self::CoggingSine];
+    /// Cosine and sine of the cogging.
+    pub(crate) const COGGING: [Self; 2] = [Self::CoggingCosine, Self::CoggingSine];
     /// Cosine and sine of the eccentricity of motor and load encoder.
     pub(crate) const OF_ENCODERS: [[Self; 2]; 2] =
         [[Self::MotorCosine, Self::MotorSine], [Self::LoadCosine, Self::LoadSine]];
@@ -144,6 +144,7 @@ impl Vector {
         ];
         let mut elements = [0.0; COUNT];
         elements[..known.len()].copy_from_slice(&known);
+        elements[Parameter::TorqueOffset as usize] = shaft.torque_offset_nm;
         Self { elements, cogging_per_turn: 1 }
     }
 
@@ -198,9 +199,21 @@ impl Vector {
             load_asymmetry: self.value(Parameter::LoadAsymmetry),
             motor: stribeck(motor_nm, Parameter::MotorExcess, motor_rad_s),
             current_lag_s: self.value(Parameter::CurrentLag),
+            torque_offset_nm: self.value(Parameter::TorqueOffset),
+            cogging: CoggingParameters {
+                amplitude_nm: self.get(Parameter::CoggingCosine).hypot(self.get(Parameter::CoggingSine)),
+                per_turn: f64::from(self.cogging_per_turn),
+            },
             torque_saturation_nm: *ShaftParameters::TORQUE_SATURATION_NM.end(),
             ..ShaftParameters::paper()
         }
+    }
+
+    /// Without cogging.
+    pub(crate) fn smooth(&self) -> Self {
+        let mut smooth = *self;
+        Parameter::COGGING.into_iter().for_each(|it| smooth.set(it, 0.0));
+        smooth
     }
 
     /// The plant model with these parameters.

@@ -133,62 +133,49 @@ impl Motion {
         own: &OwnParameters,
         substeps: Substeps,
     ) -> Option<[Vec<f64>; 2]> {
-        let twist_rad = own.twist_rad;
-        let [offset_nm, cosine_nm, sine_nm] = Parameter::OF_TORQUE.map(|it| vector.get(it));
-        let has_cogging = cosine_nm != 0.0 || sine_nm != 0.0;
-        // Cogging changes with the motor's angle: the plant gets it in as many parts as it has steps.
-        let parts = match substeps {
-            Substeps::Coarse if has_cogging => substeps as u32,
-            Substeps::Fine if has_cogging => std::env::var("WENC_P").map_or(8, |it| it.parse().unwrap()),
-            _ => 1,
-        };
-        let plant = vector.plant((substeps as u32).div_ceil(parts)).ok()?;
-        let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, twist_rad));
-        let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
-        let first_rad = self.first_rad(vector, own, 0);
+        let [cosine_nm, sine_nm] = Parameter::COGGING.map(|it| vector.get(it));
         let per_turn = f64::from(vector.cogging_per_turn);
-        let mut before_rad = 0.0;
+        let at_recorded = substeps == Substeps::Coarse && (cosine_nm != 0.0 || sine_nm != 0.0);
+        let plant = if at_recorded { vector.smooth() } else { *vector };
+        // Where the plant's own cogging, a sine of the motor's angle, has this phase.
+        let motor_rad = self.first_rad(vector, own, 0) + cosine_nm.atan2(sine_nm) / per_turn;
+        let load_rad = (motor_rad - own.twist_rad) / vector.value(Parameter::Ratio);
+        let parts = if at_recorded { substeps as u32 } else { 1 };
+        let plant = plant.plant((substeps as u32).div_ceil(parts)).ok()?;
+        let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
+        let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
         for (at, held) in held.iter().enumerate() {
             let positions = lashloop_plant::Plant::positions(&plant);
-            turned_rad[0].push(positions.motor_position_rad - twist_rad);
-            turned_rad[1].push(positions.load_position_rad);
+            turned_rad[0].push(positions.motor_position_rad - motor_rad);
+            turned_rad[1].push(positions.load_position_rad - load_rad);
             let mut elapsed_s = 0.0;
             for &(torque_nm, held_s) in held {
+                let part_s = held_s / f64::from(parts);
                 for _ in 0..parts {
-                    let mut total_nm = torque_nm + offset_nm;
-                    if has_cogging {
-                        let part_s = held_s / f64::from(parts);
-                        // In the middle of the part.
-                        let middle_rad = if substeps == Substeps::Coarse {
-                            self.recorded_rad(vector, own, at, (elapsed_s + 0.5 * part_s) / self.period_s)
-                        } else {
-                            let motor_rad =
-                                lashloop_plant::Plant::positions(&plant).motor_position_rad - twist_rad;
-                            let ahead_rad = 0.5 * (motor_rad - before_rad);
-                            before_rad = motor_rad;
-                            motor_rad + ahead_rad
-                        };
-                        elapsed_s += part_s;
-                        let (sine, cosine) = (per_turn * (first_rad + middle_rad)).sin_cos();
+                    let mut total_nm = torque_nm;
+                    if at_recorded {
+                        let middle = (elapsed_s + 0.5 * part_s) / self.period_s;
+                        let angle_rad = per_turn * self.recorded_rad(vector, at, middle);
+                        let (sine, cosine) = angle_rad.sin_cos();
                         total_nm += cosine_nm * cosine + sine_nm * sine;
                     }
-                    plant.step(total_nm, held_s / f64::from(parts)).ok()?;
+                    plant.step(total_nm, part_s).ok()?;
+                    elapsed_s += part_s;
                 }
             }
         }
         Some(turned_rad)
     }
 
-    /// How far the motor has turned by its own encoder, this part of a period after a sample. Cogging by the angle that is
+    /// The motor's angle by its own encoder, this part of a period after a sample. Cogging by the angle that is
     /// recorded moves the model the right way from far away; by the model's own angle, it holds the model in the
     /// wrong dent.
-    fn recorded_rad(&self, vector: &Vector, own: &OwnParameters, at: usize, part: f64) -> f64 {
+    fn recorded_rad(&self, vector: &Vector, at: usize, part: f64) -> f64 {
         let counts = &self.counts[0];
         let next = counts[(at + 1).min(counts.len() - 1)];
-        let shown_counts = counts[at] + part * (next - counts[at]) - own.offsets[0];
-        let first_rad = self.first_rad(vector, own, 0);
-        let shown_rad = shown_counts / self.counts_per_rad[0] + first_rad + error_rad(vector, 0, first_rad);
-        shown_rad - error_rad(vector, 0, shown_rad) - first_rad
+        let shown_counts = self.first_counts[0] + counts[at] + part * (next - counts[at]);
+        let shown_rad = shown_counts / self.counts_per_rad[0];
+        shown_rad - error_rad(vector, 0, shown_rad)
     }
 
     /// Angle of a shaft at the first sample. An eccentric encoder shows another one.

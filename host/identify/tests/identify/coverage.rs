@@ -9,7 +9,7 @@ use lashloop_identify::excitation::{Commissioned, Limits, commission};
 use lashloop_identify::{Direction, Start};
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng as _, uniform};
 
-use crate::hidden_plants::{Coverage, Errors, HiddenPlant, Shown, Wave};
+use crate::hidden_plants::{Coverage, Errors, HiddenPlant, Shown};
 
 /// The constants of the estimator were chosen on seeds 0 to 149, the width of the intervals with them.
 const SEEDS: Range<u64> = 5000..5050;
@@ -98,12 +98,11 @@ fn errors(seed: u64) -> Errors {
     let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
     let factor = std::env::var("WENC_FACTOR").map_or(1.0, |it| it.parse().expect("number"));
     let ecc = std::env::var("WENC_ECC").map_or(1.0, |it| it.parse().expect("number"));
-    let mut wave = |largest: f64| Wave { amplitude: within(0.0, largest), phase_rad: within(-PI, PI) };
-    let eccentricities = ENCODER_ERROR_RAD.map(|it| wave(ecc * it));
-    let cogging = wave(factor * 0.005 * LIMITS.torque_nm);
+    let eccentricity_rad = ENCODER_ERROR_RAD.map(|it| within(0.0, ecc * it));
+    let cogging_nm = within(0.0, factor * 0.005 * LIMITS.torque_nm);
     let offset_nm = within(-0.01, 0.01) * LIMITS.torque_nm;
     let per_turn = within(1.0, 49.0) as u32;
-    Errors { offset_nm, cogging, per_turn, eccentricities }
+    Errors { offset_nm, cogging_nm, per_turn, eccentricity_rad, turned_rad: within(-PI, PI) }
 }
 
 #[test]

@@ -5,7 +5,7 @@
 
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
 use lashloop_identify::{Instruments, Series, SeriesError};
-use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::backlash_shaft::{BacklashShaft, CoggingParameters, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
@@ -34,30 +34,19 @@ pub struct HiddenPlant {
     encoder_error_rad: [f64; 2],
 }
 
-/// What torque and encoders of a plant are off by.
+/// What torque and encoders of a plant are off by. All phases are 0 at the zero of the encoders.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Errors {
     /// Offset of the torque at the motor.
     pub offset_nm: f64,
-    /// Of the motor's angle.
-    pub cogging: Wave,
-    /// Periods of the cogging per turn of the motor.
+    /// Amplitude of the cogging.
+    pub cogging_nm: f64,
+    /// Its periods per turn of the motor.
     pub per_turn: u32,
-    /// Of motor and load encoder, in rad.
-    pub eccentricities: [Wave; 2],
-}
-
-/// amplitude sin(angle + phase_rad)
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Wave {
-    pub amplitude: f64,
-    pub phase_rad: f64,
-}
-
-impl Wave {
-    fn at(&self, angle_rad: f64) -> f64 {
-        self.amplitude * (angle_rad + self.phase_rad).sin()
-    }
+    /// Of the encoders of motor and load.
+    pub eccentricity_rad: [f64; 2],
+    /// Angle of the load by which the drive train is turned at the start.
+    pub turned_rad: f64,
 }
 
 struct Present {
@@ -133,7 +122,7 @@ impl HiddenPlant {
     /// The true value of a quantity by its name.
     pub fn truth(&self, name: &str) -> f64 {
         let Self { mechanics, shaft, errors, .. } = self;
-        let [motor, load] = errors.eccentricities;
+        let [motor_rad, load_rad] = errors.eccentricity_rad;
         let asymmetry = shaft.load_asymmetry;
         match name {
             "reduction_ratio" => mechanics.ratio,
@@ -161,26 +150,36 @@ impl HiddenPlant {
                 mechanics.motor_inertia_kg_m2 + mechanics.load_inertia_kg_m2 / mechanics.ratio.powi(2)
             }
             "torque_offset_nm" => errors.offset_nm,
-            "cogging_nm" => errors.cogging.amplitude,
+            "cogging_nm" => errors.cogging_nm,
             "cogging_per_turn" => f64::from(errors.per_turn),
-            "cogging_phase_rad" => errors.cogging.phase_rad,
-            "torque_uncertainty_nm" => errors.cogging.amplitude / 2.0_f64.sqrt(),
-            "motor_eccentricity_rad" => motor.amplitude,
-            "motor_eccentricity_phase_rad" => motor.phase_rad,
-            "load_eccentricity_rad" => load.amplitude,
-            "load_eccentricity_phase_rad" => load.phase_rad,
+            // A law takes away the offset alone.
+            "torque_uncertainty_nm" => errors.cogging_nm / 2.0_f64.sqrt(),
+            "motor_eccentricity_rad" => motor_rad,
+            "load_eccentricity_rad" => load_rad,
+            "cogging_phase_rad" | "motor_eccentricity_phase_rad" | "load_eccentricity_phase_rad" => 0.0,
             other => panic!("no truth for {other}"),
         }
     }
 
     fn release(&self) -> Present {
-        let plant = BacklashShaft::new(self.mechanics, self.shaft, 1).expect("a plant in its ranges");
-        let mut seeds = 1..;
-        let encoders = self.counts_per_rev.map(|counts_per_rev| {
-            let seed = seeds.next().unwrap_or_default();
-            Encoder::new(counts_per_rev, self.noise_counts, seed).expect("an encoder in its ranges")
+        let Errors { offset_nm, cogging_nm, per_turn, eccentricity_rad, turned_rad } = self.errors;
+        let shaft = ShaftParameters {
+            torque_offset_nm: offset_nm,
+            cogging: CoggingParameters { amplitude_nm: cogging_nm, per_turn: f64::from(per_turn.max(1)) },
+            ..self.shaft
+        };
+        let plant = BacklashShaft::new(self.mechanics, shaft, SUBSTEPS).expect("a plant in its ranges");
+        let encoders = [0, 1].map(|at| {
+            let encoder = Encoder::new(self.counts_per_rev[at], self.noise_counts, 1 + at as u64);
+            let encoder = encoder.and_then(|it| it.with_eccentricity(eccentricity_rad[at]));
+            encoder.expect("an encoder in its ranges")
         });
-        Present { plant: RunningPlant::released(plant, self.start), encoders }
+        let start = Start {
+            load_position_rad: self.start.load_position_rad + turned_rad,
+            motor_position_rad: self.start.motor_position_rad + self.mechanics.ratio * turned_rad,
+            ..self.start
+        };
+        Present { plant: RunningPlant::released(plant, start), encoders }
     }
 }
 
@@ -197,22 +196,13 @@ impl DriveTrain for HiddenPlant {
         for &planned_nm in &motion.torque_nm {
             let positions = Plant::positions(plant);
             let read = [positions.motor_position_rad, positions.load_position_rad];
-            let shown = [0, 1].map(|at| read[at] + self.errors.eccentricities[at].at(read[at]));
-            let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(shown[at]));
+            let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(read[at]));
             counts.iter_mut().zip(now).for_each(|(counts, now)| counts.push(now));
             halt = guard.check(now[0], now[1]);
             let torque_nm = if halt.is_some() { 0.0 } else { planned_nm };
             torques_nm.push(torque_nm);
             for (held_nm, held_s) in delay.step(torque_nm) {
-                for _ in 0..SUBSTEPS {
-                    let part_s = held_s / f64::from(SUBSTEPS);
-                    let truth = plant.truth();
-                    // In the middle of the part.
-                    let motor_rad = truth.motor_position_rad + 0.5 * part_s * truth.motor_velocity_rad_s;
-                    let cogging_nm = self.errors.cogging.at(f64::from(self.errors.per_turn) * motor_rad);
-                    let total_nm = held_nm + self.errors.offset_nm + cogging_nm;
-                    plant.step(total_nm, part_s).expect("a plant that can be followed");
-                }
+                plant.step(held_nm, held_s).expect("a plant that can be followed");
             }
             if halt.is_some() {
                 break;
