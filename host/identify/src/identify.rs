@@ -17,7 +17,9 @@ use crate::staged;
 const ITERATIONS: usize = 40;
 const RESTARTS: usize = 2;
 /// Counts of the cogging per turn that a fit is made with.
-const CANDIDATES: usize = 3;
+const CANDIDATES: usize = 5;
+/// Rounds in which motions may begin in another dent of the cogging.
+const DENTS: usize = 3;
 /// Squares of the residuals up to which another count per turn may be the true one.
 const LIKELY: f64 = 1.1;
 /// Quantities that a fit bends first.
@@ -146,7 +148,15 @@ fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -
     }
     tried.sort_by(|a, b| a.squares().total_cmp(&b.squares()));
     let nearest = tried.first()?;
-    let mut fit = problem(all, Substeps::Fine).fit(nearest.point.clone(), ITERATIONS)?;
+    let fine = problem(all, Substeps::Fine);
+    let mut fit = fine.fit(nearest.point.clone(), ITERATIONS)?;
+    for _ in 0..DENTS {
+        let Some(other) = fine.other_dents(&fit.point).and_then(|it| fine.fit(it, ITERATIONS)) else { break };
+        if other.squares() >= fit.squares() {
+            break;
+        }
+        fit = other;
+    }
     let likely = tried.iter().filter(|it| it.squares() < LIKELY * nearest.squares());
     fit.per_turn = likely.map(|it| it.point.vector.cogging_per_turn).collect();
     Some(fit)

@@ -31,6 +31,7 @@
 mod balance;
 mod cogging;
 mod contact;
+mod dents;
 pub mod electrical;
 mod errors;
 pub mod excitation;

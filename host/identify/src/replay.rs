@@ -22,6 +22,9 @@ const REST_S: f64 = 0.02;
 /// Standard deviation of an encoder's offset within its count.
 const OFFSET_DEVIATION: f64 = 0.4;
 
+/// Parts of a torque between which the cogging at the recorded angles changes.
+const PARTS: u32 = 4;
+
 /// One motion, counts in their direction from the first sample on, torques as they arrive at the motor.
 pub(crate) struct Motion {
     pub(crate) period_s: f64,
@@ -35,6 +38,8 @@ pub(crate) struct Motion {
     /// Whether a sample of an encoder counts.
     pub(crate) is_used: [Vec<bool>; 2],
     pub(crate) counts_per_rad: [f64; 2],
+    /// Counts of the motor without most of the noise.
+    smooth_counts: Vec<f64>,
     /// Reading of both encoders at the first sample, in their direction.
     first_counts: [f64; 2],
     /// Standard deviation of an encoder's offset from its first reading, in counts.
@@ -81,6 +86,7 @@ impl Motion {
             held: held(series, instruments.torque_delay_us, |torque_nm| torque_nm),
             altered: altered(series, instruments),
             torque_nm: series.torque_nm().to_vec(),
+            smooth_counts: smoothed(&counts[0]),
             counts,
             is_used,
             counts_per_rad,
@@ -140,7 +146,7 @@ impl Motion {
         // Where the plant's own cogging, a sine of the motor's angle, has this phase.
         let motor_rad = self.first_rad(vector, own, 0) + cosine_nm.atan2(sine_nm) / per_turn;
         let load_rad = (motor_rad - own.twist_rad) / vector.value(Parameter::Ratio);
-        let parts = if at_recorded { substeps as u32 } else { 1 };
+        let parts = if at_recorded { PARTS } else { 1 };
         let plant = plant.plant((substeps as u32).div_ceil(parts)).ok()?;
         let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
         let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
@@ -171,7 +177,7 @@ impl Motion {
     /// recorded moves the model the right way from far away; by the model's own angle, it holds the model in the
     /// wrong dent.
     fn recorded_rad(&self, vector: &Vector, at: usize, part: f64) -> f64 {
-        let counts = &self.counts[0];
+        let counts = &self.smooth_counts;
         let next = counts[(at + 1).min(counts.len() - 1)];
         let shown_counts = self.first_counts[0] + counts[at] + part * (next - counts[at]);
         let shown_rad = shown_counts / self.counts_per_rad[0];
@@ -204,6 +210,16 @@ fn error_rad(vector: &Vector, encoder: usize, angle_rad: f64) -> f64 {
     let [cosine_rad, sine_rad] = Parameter::OF_ENCODERS[encoder].map(|it| vector.get(it));
     let (sine, cosine) = angle_rad.sin_cos();
     cosine_rad * cosine + sine_rad * sine
+}
+
+/// Counts by the parabola of least squares through five samples.
+fn smoothed(counts: &[f64]) -> Vec<f64> {
+    const WEIGHTS: [f64; 5] = [-3.0, 12.0, 17.0, 12.0, -3.0];
+    let mut smooth = counts.to_vec();
+    for (at, window) in counts.windows(WEIGHTS.len()).enumerate() {
+        smooth[at + 2] = window.iter().zip(WEIGHTS).map(|(count, weight)| count * weight).sum::<f64>() / 35.0;
+    }
+    smooth
 }
 
 /// Torques as the motor gets them under the errors of a quantising power stage and of an uncertain delay.
