@@ -116,6 +116,7 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         plant_key: None,
         drive_parameter: None,
     };
+    let key = |of: Quantity| Quantity { plant_key: Some(of.name), ..of };
     let law = |of: Quantity| Quantity { drive_parameter: Some(of.name), ..of };
     let offset_nm = fit.point.vector.get(Parameter::TorqueOffset);
     let offset_deviation_nm = deviation(fit, Parameter::TorqueOffset);
@@ -137,16 +138,24 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         let ripple = 0.5 * (amplitude_nm.powi(2) + cogging.variance);
         (offset_deviation_nm.powi(2) + ripple).sqrt()
     };
-    let amplitude = cogging.amplitude();
+    let mut amplitude = cogging.amplitude();
+    if fit.per_turn.is_empty() {
+        amplitude.low = 0.0;
+    }
     let uncertainty = (is_offset_shown && is_cogging_shown).then(|| Estimate {
         value: remains(amplitude.value),
         low: remains(amplitude.low),
         high: remains(amplitude.high),
     });
     let mut all = vec![
-        law(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset)),
-        quantity("cogging_nm", "N m", "amplitude of the cogging", shown(Some(amplitude))),
-        quantity("cogging_per_turn", "", "periods of the cogging per turn of the motor", shown(per_turn)),
+        key(law(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset))),
+        key(quantity("cogging_nm", "N m", "amplitude of the cogging", shown(Some(amplitude)))),
+        key(quantity(
+            "cogging_per_turn",
+            "",
+            "periods of the cogging per turn of the motor",
+            shown(per_turn),
+        )),
         quantity(
             "cogging_phase_rad",
             "rad",

@@ -27,7 +27,8 @@ pub(crate) struct Fit {
     pub(crate) residual_counts: [f64; 2],
     /// What the errors of the torque explain of it.
     pub(crate) explained_counts: [f64; 2],
-    /// Counts of the cogging per turn under which the model is about as near, the nearest first.
+    /// Counts of the cogging per turn under which the model is about as near, the nearest first; none if it is about as near
+    /// without cogging.
     pub(crate) per_turn: Vec<u32>,
 }
 

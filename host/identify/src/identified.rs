@@ -93,6 +93,13 @@ impl Identified {
     /// The most likely value of a quantity, whether the motions show it or not.
     #[must_use]
     pub fn likely(&self, name: &str) -> Option<f64> {
+        let ShaftParameters { torque_offset_nm, cogging, .. } = self.shaft;
+        match name {
+            "torque_offset_nm" => return Some(torque_offset_nm),
+            "cogging_nm" => return Some(cogging.amplitude_nm),
+            "cogging_per_turn" => return Some(cogging.per_turn),
+            _ => {}
+        }
         let vector = Vector::of(&self.mechanics, &self.shaft);
         DEFINITIONS.iter().find(|it| it.quantity.name == name).map(|it| (it.of)(&vector))
     }

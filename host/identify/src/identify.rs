@@ -18,9 +18,10 @@ const ITERATIONS: usize = 40;
 const RESTARTS: usize = 2;
 /// Counts of the cogging per turn that a fit is made with.
 const CANDIDATES: usize = 5;
+const CANDIDATES_OF_FOLLOWED: usize = 2;
 /// Rounds in which motions may begin in another dent of the cogging.
 const DENTS: usize = 3;
-/// Squares of the residuals up to which another count per turn may be the true one.
+/// Squares of the residuals up to which another count per turn, or none, may be the true one.
 const LIKELY: f64 = 1.1;
 /// Quantities that a fit bends first.
 const BENT: [Parameter; 6] = [
@@ -105,7 +106,7 @@ fn nearer(first: Option<Fit>, second: Option<Fit>) -> Option<Fit> {
 /// may have bent instead of those that it missed back at their start.
 fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) -> Option<Fit> {
     let start = point.vector;
-    let mut best = fitted(motions, point, &start, prior)?;
+    let mut best = fitted(motions, point, &start, prior, noise_counts)?;
     for _ in 0..RESTARTS {
         if best.is_followed(noise_counts) {
             break;
@@ -114,7 +115,7 @@ fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) 
         for parameter in BENT {
             kicked.vector.set(parameter, start.get(parameter));
         }
-        let Some(other) = fitted(motions, kicked, &start, prior) else { break };
+        let Some(other) = fitted(motions, kicked, &start, prior, noise_counts) else { break };
         if other.residual_counts[0] >= best.residual_counts[0] {
             break;
         }
@@ -124,7 +125,13 @@ fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) 
 }
 
 /// Fits all but the cogging, then all with the counts per turn that explain the most of what is left.
-fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -> Option<Fit> {
+fn fitted(
+    motions: &[Motion],
+    mut point: Point,
+    start: &Vector,
+    prior: &Prior,
+    noise_counts: f64,
+) -> Option<Fit> {
     let problem = |is_free, substeps| Problem {
         motions,
         used: (0..motions.len()).collect(),
@@ -138,8 +145,10 @@ fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -
     let coarse = smooth.fit(point, ITERATIONS)?;
     let candidates = smooth.cogging(&coarse.point)?;
     let all = prior.free(|_| true);
+    // A model that follows without cogging leaves little to it.
+    let number = if coarse.is_followed(noise_counts) { CANDIDATES_OF_FOLLOWED } else { CANDIDATES };
     let mut tried: Vec<Fit> = Vec::new();
-    for Candidate { per_turn, parts_nm, .. } in candidates.into_iter().take(CANDIDATES) {
+    for Candidate { per_turn, parts_nm, .. } in candidates.into_iter().take(number) {
         let mut next = coarse.point.clone();
         next.vector.cogging_per_turn = per_turn;
         next.vector.set(Parameter::CoggingCosine, parts_nm[0]);
@@ -157,7 +166,10 @@ fn fitted(motions: &[Motion], mut point: Point, start: &Vector, prior: &Prior) -
         }
         fit = other;
     }
-    let likely = tried.iter().filter(|it| it.squares() < LIKELY * nearest.squares());
-    fit.per_turn = likely.map(|it| it.point.vector.cogging_per_turn).collect();
+    let is_likely = |it: &&Fit| it.squares() < LIKELY * nearest.squares();
+    fit.per_turn = tried.iter().filter(is_likely).map(|it| it.point.vector.cogging_per_turn).collect();
+    if is_likely(&&coarse) {
+        fit.per_turn.clear();
+    }
     Some(fit)
 }

@@ -27,13 +27,12 @@ pub struct Instruments {
 }
 
 impl Instruments {
-    /// Largest error of a motor encoder of which nothing is stated, in rad: a disc of 20 mm that is 0.3 mm off its axis.
-    pub const MOTOR_ENCODER_ERROR_RAD: f64 = 0.03;
-    /// The same of a load encoder: a ring of 60 mm that is 0.3 mm off.
-    pub const LOAD_ENCODER_ERROR_RAD: f64 = 0.01;
+    /// Largest error of motor and load encoder of which nothing is stated, in rad: disks of 20 and of 60 mm in diameter that
+    /// are 0.3 mm off their axis.
+    pub const UNSTATED_ENCODER_ERROR_RAD: [f64; 2] = [0.03, 0.01];
 
     fn unstated_encoder_error_rad() -> [f64; 2] {
-        [Self::MOTOR_ENCODER_ERROR_RAD, Self::LOAD_ENCODER_ERROR_RAD]
+        Self::UNSTATED_ENCODER_ERROR_RAD
     }
 
     /// The same with encoders that may be off by this.

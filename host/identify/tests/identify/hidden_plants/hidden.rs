@@ -27,7 +27,6 @@ pub struct HiddenPlant {
     pub start: Start,
     /// The plant in its present state, from the first motion on.
     present: Option<Present>,
-    noise_counts: f64,
     /// What torque and encoders are off by.
     pub errors: Errors,
     /// What a commissioning gets of the encoders, of motor and load.
@@ -47,6 +46,8 @@ pub struct Errors {
     pub eccentricity_rad: [f64; 2],
     /// Angle of the load by which the drive train is turned at the start.
     pub turned_rad: f64,
+    /// Edges of both encoders jitter uniformly by up to this in either direction.
+    pub noise_counts: f64,
 }
 
 struct Present {
@@ -96,7 +97,6 @@ impl HiddenPlant {
             signs,
             start,
             present: None,
-            noise_counts: 0.0,
             errors: Errors::default(),
             encoder_error_rad: [0.0; 2],
         }
@@ -104,7 +104,7 @@ impl HiddenPlant {
 
     /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
     pub fn with_noise(self, noise_counts: f64) -> Self {
-        Self { noise_counts, ..self }
+        Self { errors: Errors { noise_counts, ..self.errors }, ..self }
     }
 
     /// The same plant with these errors, and with encoders that are stated to be off by this.
@@ -116,7 +116,7 @@ impl HiddenPlant {
     pub fn instruments(&self) -> Instruments {
         let [motor, load] = self.counts_per_rev;
         let exact = Instruments::exact(motor, load, DELAY_US).with_encoder_error_rad(self.encoder_error_rad);
-        Instruments { noise_counts: self.noise_counts, ..exact }
+        Instruments { noise_counts: self.errors.noise_counts, ..exact }
     }
 
     /// The true value of a quantity by its name.
@@ -162,7 +162,7 @@ impl HiddenPlant {
     }
 
     fn release(&self) -> Present {
-        let Errors { offset_nm, cogging_nm, per_turn, eccentricity_rad, turned_rad } = self.errors;
+        let Errors { offset_nm, cogging_nm, per_turn, eccentricity_rad, turned_rad, .. } = self.errors;
         let shaft = ShaftParameters {
             torque_offset_nm: offset_nm,
             cogging: CoggingParameters { amplitude_nm: cogging_nm, per_turn: f64::from(per_turn.max(1)) },
@@ -170,7 +170,7 @@ impl HiddenPlant {
         };
         let plant = BacklashShaft::new(self.mechanics, shaft, SUBSTEPS).expect("a plant in its ranges");
         let encoders = [0, 1].map(|at| {
-            let encoder = Encoder::new(self.counts_per_rev[at], self.noise_counts, 1 + at as u64);
+            let encoder = Encoder::new(self.counts_per_rev[at], self.errors.noise_counts, 1 + at as u64);
             let encoder = encoder.and_then(|it| it.with_eccentricity(eccentricity_rad[at]));
             encoder.expect("an encoder in its ranges")
         });
