@@ -42,6 +42,8 @@ pub(crate) struct Motion {
     smooth_counts: Vec<f64>,
     /// Reading of both encoders at the first sample, in their direction.
     first_counts: [f64; 2],
+    /// Amplitude of the noise of both encoders, in counts.
+    pub(crate) noise_counts: f64,
     /// Standard deviation of an encoder's offset from its first reading, in counts.
     pub(crate) offset_deviation: f64,
     /// Change of the motor's motion from one window to the next up to which the motor counts as steady.
@@ -90,6 +92,7 @@ impl Motion {
             counts,
             is_used,
             counts_per_rad,
+            noise_counts: instruments.noise_counts,
             offset_deviation: OFFSET_DEVIATION.hypot(instruments.noise_counts),
             first_counts,
         }
