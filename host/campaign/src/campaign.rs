@@ -81,6 +81,8 @@ pub struct Variant {
     /// Index of its scenario in the sources.
     source: usize,
     set: Vec<Override>,
+    /// Keys of axes that the variant leaves as they are.
+    omit: Vec<String>,
     /// The scenario, parsed once for all cases.
     parsed: Cases,
     /// The scenario without the settings of a case, every default included.
@@ -182,12 +184,14 @@ impl Campaign {
     /// What a case sets in addition to its variant.
     #[must_use]
     pub fn varied(&self, case: &Case) -> Vec<Override> {
-        let axes = self.file.parts[case.part].axes.iter().zip(&case.values);
+        let part = &self.file.parts[case.part];
+        let axes = part.axes.iter().zip(&case.values);
         let varied = axes.flat_map(|(axis, value)| {
             let value = value.setting();
-            axis.keys.iter().map(move |key| Override::Set(format!("{key}={value}")))
+            let has = |key: &&String| !self.variants[case.variant].omit.contains(*key);
+            axis.keys.iter().filter(has).map(move |key| Override::Set(format!("{key}={value}")))
         });
-        varied.collect()
+        part.set.iter().cloned().map(Override::Set).chain(varied).collect()
     }
 
     /// The scenario of a case.
@@ -220,14 +224,18 @@ impl Campaign {
         &self.plants
     }
 
-    /// The number of a key in a case: that of its axis, or that of the scenario.
+    /// The number of a key in a case: that of its axis, that which its part sets, or that of the scenario.
     #[must_use]
     pub fn number(&self, case: &Case, key: &str) -> Option<f64> {
-        let axes = &self.file.parts[case.part].axes;
-        match axes.iter().position(|axis| axis.keys.iter().any(|it| it == key)) {
-            Some(axis) => case.values[axis].number(),
-            None => self.variants[case.variant].number(key),
+        let (part, variant) = (&self.file.parts[case.part], &self.variants[case.variant]);
+        let is_omitted = variant.omit.iter().any(|omitted| omitted == key);
+        let axis = part.axes.iter().position(|axis| axis.keys.iter().any(|it| it == key));
+        if let Some(axis) = axis.filter(|_| !is_omitted) {
+            return case.values[axis].number();
         }
+        let set = part.set.iter().rev().filter_map(|setting| setting.split_once('='));
+        let mut set = set.filter(|(name, _)| name.trim() == key);
+        set.next().map_or_else(|| variant.number(key), |(_, value)| value.trim().parse().ok())
     }
 
     /// Makes a scenario with each listed value and each end of a range, so that a wrong one ends a campaign before its first
@@ -330,7 +338,7 @@ fn variants(
         Ok((file, table))
     });
     let tables = tables.collect::<Result<GivenTables, CampaignError>>()?;
-    let variant = |name: &str, scenario: Option<&String>, own: &[String]| {
+    let variant = |name: &str, scenario: Option<&String>, own: &[String], omit: &[String]| {
         let scenario = scenario.or(file.scenario.as_ref()).map(|scenario| next_to(path, scenario));
         let source = sources.iter().position(|source| Some(&source.path) == scenario.as_ref());
         let source = source
@@ -342,10 +350,17 @@ fn variants(
         let base = parsed.scenario_with(&[])?;
         let base = base.to_toml().map_err(|error| unusable(path, error.to_string()))?;
         let base = base.parse().map_err(|error: toml_edit::TomlError| unusable(path, error.to_string()))?;
-        Ok::<_, CampaignError>(Variant { name: name.to_owned(), source, set, parsed, base })
+        Ok::<_, CampaignError>(Variant {
+            name: name.to_owned(),
+            source,
+            set,
+            omit: omit.to_vec(),
+            parsed,
+            base,
+        })
     };
     if file.variants.is_empty() {
-        return Ok(vec![variant(ONLY, None, &[])?]);
+        return Ok(vec![variant(ONLY, None, &[], &[])?]);
     }
-    file.variants.iter().map(|it| variant(&it.name, it.scenario.as_ref(), &it.set)).collect()
+    file.variants.iter().map(|it| variant(&it.name, it.scenario.as_ref(), &it.set, &it.omit)).collect()
 }

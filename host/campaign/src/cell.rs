@@ -9,7 +9,7 @@ use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 use serde::{Serialize, Serializer};
 
-use crate::settings::Derived;
+use crate::settings::{Derived, Divisor};
 
 /// A number of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,10 +102,19 @@ impl Serialize for Cell {
     }
 }
 
-/// The numbers of a run: every metric, then the derived columns. `number` gives the value of a key in the case.
+/// What the derived columns take from a case.
+pub trait CaseNumbers {
+    /// The value of a key.
+    fn number(&self, key: &str) -> Option<f64>;
+
+    /// A quantity of the run.
+    fn quantity(&self, divisor: Divisor) -> Option<f64>;
+}
+
+/// The numbers of a run: every metric, then the derived columns.
 #[must_use]
-pub fn cells(outcome: &Outcome, derived: &[Derived], number: impl Fn(&str) -> Option<f64>) -> Vec<Cell> {
-    judged(&outcome.end, outcome.judgement.verdict, &outcome.metrics, derived, number)
+pub fn cells(outcome: &Outcome, derived: &[Derived], case: &impl CaseNumbers) -> Vec<Cell> {
+    judged(&outcome.end, outcome.judgement.verdict, &outcome.metrics, derived, case)
 }
 
 fn judged(
@@ -113,7 +122,7 @@ fn judged(
     verdict: Verdict,
     metrics: &Metrics,
     derived: &[Derived],
-    number: impl Fn(&str) -> Option<f64>,
+    case: &impl CaseNumbers,
 ) -> Vec<Cell> {
     let cell = |metric: Metric| match (end, metrics.get(metric)) {
         (End::Diverged(_), _) | (_, Measured::NotFinite) => Cell::Missing(Missing::NotFinite),
@@ -138,11 +147,20 @@ fn judged(
                 missing @ Cell::Missing(_) => return missing,
             }
         }
-        let count_rad = derived.or_count_of.as_deref().and_then(&number).map(|counts| TAU / counts);
-        match (cell(derived.metric), derived.per, count_rad) {
-            (Cell::Value(value), Some(per), count) => Cell::Value(value / per.max(count.unwrap_or(per))),
-            (Cell::Value(value), None, Some(count_rad)) => Cell::Value(value / count_rad),
-            (cell, _, _) => cell,
+        let over = match derived.over.map(|divisor| case.quantity(divisor)) {
+            None => 1.0,
+            Some(Some(over)) if over > 0.0 => over,
+            Some(_) => return Cell::Missing(Missing::Unmeasured),
+        };
+        let count_rad =
+            derived.or_count_of.as_deref().and_then(|key| case.number(key)).map(|counts| TAU / counts);
+        let per = match (derived.per, count_rad) {
+            (Some(per), count) => per.max(count.unwrap_or(per)),
+            (None, count) => count.unwrap_or(1.0),
+        };
+        match cell(derived.metric) {
+            Cell::Value(value) => Cell::Value(value / per / over),
+            missing @ Cell::Missing(_) => missing,
         }
     };
     Metric::ALL.iter().map(|metric| cell(*metric)).chain(derived.iter().map(derive)).collect()

@@ -145,7 +145,7 @@ mod tests {
     /// The axes of a part in which the runs fail whose value of axis `cause` is at least `from`.
     fn counted(method: Method, axes: Vec<Axis>, cause: usize, from: f64) -> Vec<FailureAxis> {
         let points = method.is_sampled().then_some(4000);
-        let part = Part { name: "p".to_owned(), method, points, axes };
+        let part = Part { name: "p".to_owned(), set: Vec::new(), method, points, axes_of: None, axes };
         let plan = Plan::new(1, std::slice::from_ref(&part), 1, |_, _| None).expect("a plan");
         let mut axes = FailureAxis::of(0, &part, 1);
         for row in 0..plan.cases() {

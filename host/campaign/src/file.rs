@@ -9,7 +9,8 @@ use lashloop_plant::metrics::Metric;
 
 use crate::axis::Axis;
 pub use crate::settings::{
-    CampaignFile, Derived, EvidenceSettings, Expectation, Limit, Method, Part, Statistic, VariantSettings,
+    CampaignFile, Derived, Divisor, EvidenceSettings, Expectation, Limit, Method, Part, Statistic,
+    VariantSettings,
 };
 use crate::settings::{Condition, FIRST, Judge, LAST, MISSING, StatisticKeys};
 use crate::sobol::DIMENSIONS;
@@ -22,7 +23,8 @@ impl CampaignFile {
     /// The text isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_str(name: &str, text: &str) -> Result<Self, ScenarioErrors> {
         settings_file::from_str(name, text, |root| {
-            let file = Self::read(root);
+            let mut file = Self::read(root);
+            share_axes(root, &mut file);
             check(root, &file);
             file
         })
@@ -33,6 +35,44 @@ impl CampaignFile {
     pub fn keys() -> Keys {
         Section::keys_of(Self::read)
     }
+}
+
+/// Gives parts the axes of the earlier parts that they name.
+fn share_axes(root: &Section<'_>, file: &mut CampaignFile) {
+    for at in 0..file.parts.len() {
+        let (earlier, later) = file.parts.split_at_mut(at);
+        let part = &mut later[0];
+        let Some(name) = &part.axes_of else { continue };
+        let Some(of) = earlier.iter().find(|part| part.name == *name) else {
+            root.reject_section(format!(
+                "has part {} with axes_of = \"{name}\", and no earlier part of this name",
+                part.name
+            ));
+            continue;
+        };
+        part.axes.splice(0..0, of.axes.iter().cloned());
+        if let Some(problem) = unfit(part) {
+            root.reject_section(format!("has part {}, which {problem}", part.name));
+        }
+    }
+}
+
+/// What is wrong with the axes of a part together.
+fn unfit(part: &Part) -> Option<String> {
+    if part.method == Method::Sobol && part.axes.len() > DIMENSIONS {
+        return Some(format!("has more than {DIMENSIONS} axes; take method = \"latin-hypercube\""));
+    }
+    if part.method == Method::List
+        && part.axes.windows(2).any(|pair| pair[0].values.len() != pair[1].values.len())
+    {
+        return Some("is a list whose axes differ in their number of values; make them equal".to_owned());
+    }
+    if let Some(problem) = soundness::points(part.method, &part.axes) {
+        return Some(problem);
+    }
+    let keys: Vec<_> = part.axes.iter().flat_map(|axis| &axis.keys).collect();
+    let twice = keys.iter().enumerate().find(|(at, key)| keys[..*at].contains(key));
+    twice.map(|(_, key)| format!("has {key} in two axes; each key has one"))
 }
 
 /// What is wrong with the sections together.
@@ -101,22 +141,8 @@ impl Part {
             }
             _ => {}
         }
-        if self.method == Method::Sobol && self.axes.len() > DIMENSIONS {
-            part.reject_section(format!(
-                "has more than {DIMENSIONS} axes; take method = \"latin-hypercube\""
-            ));
-        }
-        if self.method == Method::List
-            && self.axes.windows(2).any(|pair| pair[0].values.len() != pair[1].values.len())
-        {
-            part.reject_section("is a list whose axes differ in their number of values; make them equal");
-        }
-        if let Some(problem) = soundness::points(self.method, &self.axes) {
+        if let Some(problem) = unfit(&self) {
             part.reject_section(problem);
-        }
-        let keys: Vec<_> = self.axes.iter().flat_map(|axis| &axis.keys).collect();
-        if let Some((_, key)) = keys.iter().enumerate().find(|(at, key)| keys[..*at].contains(key)) {
-            part.reject_section(format!("has {key} in two axes; each key has one"));
         }
         self
     }

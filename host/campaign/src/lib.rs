@@ -14,6 +14,7 @@
 //! | [`draw`], [`sobol`] | numbers of random streams, Latin hypercubes and Sobol sequences by index |
 //! | [`campaign`], [`plan`] | scenarios and selection; from a number to a case and its settings |
 //! | [`cell`], [`row`] | one result: metrics or the reasons for their absence, and the line in the table |
+//! | `minimum_time` | the shortest settling time of a case's plant |
 //! | [`workers`] | runs in parallel |
 //! | [`run`] | one case on a drive |
 //! | [`shard`], [`facts`], [`shard_file`] | shards, what they must have in common, and their files |
@@ -56,6 +57,7 @@ pub mod interval;
 pub mod limit;
 pub mod map;
 pub mod merge;
+mod minimum_time;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plan;

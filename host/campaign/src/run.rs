@@ -99,7 +99,7 @@ fn no_run(campaign: &Campaign, reason: &dyn fmt::Display) -> CaseResult {
 #[must_use]
 pub fn result_of(campaign: &Campaign, case: &Case, outcome: Outcome) -> CaseResult {
     CaseResult {
-        cells: cells(&outcome, &campaign.file.derived, |key| campaign.number(case, key)),
+        cells: cells(&outcome, &campaign.file.derived, &(campaign, case)),
         verdict: outcome.judgement.verdict.to_string(),
         end: outcome.end.to_string(),
         torque_sha256: outcome.torque_sha256,

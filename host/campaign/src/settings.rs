@@ -68,6 +68,8 @@ settings! {
         pub scenario: Option<String> = any_text(),
         /// Values instead of the scenario's, each as after `--set`.
         pub set: Vec<String> = settings(),
+        /// Keys of axes that don't exist here, such as parameters of other laws; the scenario keeps its own value.
+        pub omit: Vec<String> = texts("a list of texts in quotes").or(Vec::new()),
     }
 }
 
@@ -79,8 +81,12 @@ settings! {
         pub name: String = name(),
         /// How the values of the axes are combined.
         pub method: Method = choice().or(Method::Grid),
+        /// Values instead of the scenario's in every case of the part, each as after `--set`.
+        pub set: Vec<String> = settings(),
         /// Points of a sampled part.
         pub points: Option<u64> = integer(1..=MAX_CASES).optional(),
+        /// An earlier part whose axes this part has before its own.
+        pub axes_of: Option<String> = any_text(),
         /// Keys that vary together.
         pub axes as "axis": Vec<Axis> = by(|part| {
             let is_sampled = part.text("method").and_then(Method::named).is_some_and(Method::is_sampled);
@@ -131,8 +137,19 @@ settings! {
         pub per: Option<f64> = number(1e-12..=1e12).optional(),
         /// Key with the counts per revolution of an encoder.
         pub or_count_of: Option<String> = any_text(),
+        /// The metric is divided by this quantity of the run.
+        pub over: Option<Divisor> = choice().optional(),
         /// Only runs count in which this metric is at most a limit.
         pub only_if: Option<(Metric, f64)> = flat(Condition::checked),
+    }
+}
+
+settings! {
+    /// A quantity of a run that a metric is divided by.
+    pub enum Divisor {
+        /// the shortest settling time that the motor of the run's own plant can reach; only for the plant `backlash-shaft` at rest
+        /// and a constant reference, without load torque, wear or `[plant.electrical]`
+        "minimum-settle-time" => MinimumSettleTime,
     }
 }
 

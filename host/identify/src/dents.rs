@@ -6,7 +6,8 @@
 use std::f64::consts::TAU;
 
 use crate::noise::Noise;
-use crate::problem::{OwnParameters, Point, Problem, residual};
+use crate::problem::{Point, Problem, residual};
+use crate::replay::OwnParameters;
 
 /// Twists that are tried on either side, and how many of them are in a dent.
 const TRIED: i32 = 16;

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::fit::Fit;
-use crate::identified::{DEVIATIONS, Estimate, Quantity};
 use crate::parameters::Parameter;
 use crate::prior::Prior;
+use crate::quantity::{DEVIATIONS, Estimate, Quantity};
 use crate::series::Instruments;
 
 /// Widest interval of a phase that is reported, as half of it in rad.
@@ -97,7 +97,7 @@ impl Wave {
     fn phase(&self, edge_rad: f64) -> Option<Estimate> {
         let half = (DEVIATIONS * self.phase_deviation_rad).hypot(edge_rad);
         let value = self.phase_rad;
-        (self.is_clear() && half < WIDEST_PHASE_RAD).then(|| Estimate {
+        (self.is_clear() && half < WIDEST_PHASE_RAD).then_some(Estimate {
             value,
             low: value - half,
             high: value + half,
@@ -122,7 +122,7 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
     let offset_deviation_nm = deviation(fit, Parameter::TorqueOffset);
     let half_nm = DEVIATIONS * offset_deviation_nm;
     let is_offset_shown = is_shown(fit, prior, Parameter::TorqueOffset);
-    let offset = is_offset_shown.then(|| Estimate {
+    let offset = is_offset_shown.then_some(Estimate {
         value: offset_nm,
         low: offset_nm - half_nm,
         high: offset_nm + half_nm,

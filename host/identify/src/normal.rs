@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::noise::Noise;
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::problem::{OWN, OwnParameters, Point, Problem, residual};
-use crate::replay::{Altered, Motion, Prediction};
+use crate::problem::{OWN, Point, Problem, residual};
+use crate::replay::{Altered, Motion, OwnParameters, Prediction};
 
 /// Difference of the twist at the first sample, in rad.
 const TWIST_STEP_RAD: f64 = 1e-4;

@@ -3,7 +3,7 @@
 use crate::noise::{NINE_TENTHS, Noise, QUANTISATION};
 use crate::parameters::{COUNT, Parameter, Vector};
 use crate::prior::Prior;
-use crate::replay::{Motion, Prediction, Substeps};
+use crate::replay::{Motion, OwnParameters, Prediction, Substeps};
 
 /// Parameters of one motion: twist at the start, offsets of both encoders.
 pub(crate) const OWN: usize = 3;
@@ -13,12 +13,6 @@ pub(crate) const OWN: usize = 3;
 pub(crate) struct Point {
     pub(crate) vector: Vector,
     pub(crate) own: Vec<OwnParameters>,
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct OwnParameters {
-    pub(crate) twist_rad: f64,
-    pub(crate) offsets: [f64; 2],
 }
 
 /// What is fitted: motions, and the start that the prior is around.

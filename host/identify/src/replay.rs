@@ -3,7 +3,6 @@
 use lashloop_plant::{RunningPlant, Start, TransportDelay};
 
 use crate::parameters::{Parameter, Vector};
-use crate::problem::OwnParameters;
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
@@ -58,6 +57,13 @@ pub(crate) struct Altered {
     pub(crate) held: Held,
     /// Weight of the difference that they make.
     pub(crate) scale: f64,
+}
+
+/// What is of one motion alone: the twist at its first sample, and where within their first count both encoders stood.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct OwnParameters {
+    pub(crate) twist_rad: f64,
+    pub(crate) offsets: [f64; 2],
 }
 
 /// What a model predicts of motor and load, from the first sample on.

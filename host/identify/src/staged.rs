@@ -8,8 +8,8 @@ use crate::contact::{CONTACT, Line, breakaway_nm, contact_line, ratio, twist_rad
 use crate::motor::{distance, motor, range};
 use crate::parameters::{COUNT, Parameter, Vector};
 use crate::prior::Prior;
-use crate::problem::{OwnParameters, Point, Problem};
-use crate::replay::{Motion, Substeps};
+use crate::problem::{Point, Problem};
+use crate::replay::{Motion, OwnParameters, Substeps};
 
 /// Fraction of the longest travel of the load below which a motion is one of the motor alone.
 const STILL: f64 = 0.25;

@@ -2,6 +2,8 @@
 
 use lashloop_campaign::cell::{Cell, Missing};
 
+use super::campaign::Battery;
+
 /// A column of the tables, which show magnitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
@@ -26,9 +28,10 @@ const fn criterion(
 }
 
 const MRAD: (&str, f64, usize) = ("mrad", 1e3, 2);
+const PERCENT: (&str, f64, usize) = ("%", 1e2, 1);
 
-/// In the order of the tables.
-pub const CRITERIA: [Criterion; 10] = [
+/// Of the standard battery, in the order of the tables.
+const STANDARD: [Criterion; 10] = [
     criterion("settle_time_s", "settle time", ("s", 1.0, 2), true),
     criterion("overshoot_rad", "overshoot", MRAD, true),
     criterion("static_error_rad", "static error", MRAD, true),
@@ -41,11 +44,36 @@ pub const CRITERIA: [Criterion; 10] = [
     criterion("torque_total_variation_nm", "variation", ("N m", 1.0, 0), true),
 ];
 
+/// Settling after moves to and fro, instead of [`OF_ONE_MOVE`].
+pub(super) const EVERY_MOVE: &str = "settle_after_every_move_s";
+
+/// Columns that describe a run of one move from its first error to rest.
+pub(super) const OF_ONE_MOVE: [&str; 3] = ["settle_time_s", "overshoot_rad", "hunting_rad"];
+
+/// What the harder battery has in addition.
+const HARD: [Criterion; 4] = [
+    criterion("settle_over_minimum", "over the minimum", ("times", 1.0, 2), true),
+    criterion(EVERY_MOVE, "after every move", ("s", 1.0, 2), false),
+    criterion("dead_zone_beyond_two_deviations", "beyond 2 sigma", PERCENT, true),
+    criterion("dead_zone_beyond_four_deviations", "beyond 4 sigma", PERCENT, true),
+];
+
+impl Battery {
+    /// The criteria of its tables, in their order.
+    pub fn criteria(self) -> impl Iterator<Item = &'static Criterion> {
+        let more: &[Criterion] = match self {
+            Self::Standard => &[],
+            Self::Hard => &HARD,
+        };
+        STANDARD.iter().chain(more)
+    }
+}
+
 impl Criterion {
     /// The criterion of a column.
     #[must_use]
     pub fn of(column: &str) -> Option<&'static Self> {
-        CRITERIA.iter().find(|criterion| criterion.column == column)
+        STANDARD.iter().chain(&HARD).find(|criterion| criterion.column == column)
     }
 
     /// Formats a value in SI units in the unit of the table.

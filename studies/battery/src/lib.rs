@@ -1,8 +1,9 @@
-//! The shipped campaign of the control laws on plants outside their tuning, `campaigns/battery.toml`, and its tables.
+//! The shipped campaigns of the control laws on plants outside their tuning, `campaigns/battery.toml` and
+//! `campaigns/battery-hard.toml`, and their tables.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`campaign`](mod@campaign) | the campaign and its scenarios, in the program |
+//! | [`campaign`](mod@campaign) | the campaigns and their scenarios, in the program |
 //! | [`plants`] | one of its random plants |
 //! | [`criterion`] | names, units and digits of its tables |
 //! | [`text`] | the tables |

@@ -5,7 +5,7 @@ use lashloop_bench::scenario::plant::standard;
 use lashloop_campaign::plan::{Case, MAX_CASES};
 use lashloop_campaign::{Campaign, CampaignError, Selection};
 
-use super::campaign::{RANDOM_PLANTS, campaign, laws};
+use super::campaign::{Battery, RANDOM_PLANTS, laws};
 
 /// The random plants of a seed.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl RandomPlants {
             points: Some(MAX_CASES),
             ..Selection::default()
         };
-        Ok(Self(campaign(selection, &standard())?))
+        Ok(Self(Battery::Standard.campaign(selection, &standard())?))
     }
 
     /// # Errors

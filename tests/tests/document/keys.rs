@@ -203,9 +203,11 @@ set = ["meant=mismatch"]
 name = "pd"
 scenario = "b.toml"
 set = ["run.seed=2"]
+omit = ["controller.parameters.k_21"]
 [[part]]
 name = "grid"
 method = "grid"
+set = ["run.seed=3"]
 [[part.axis]]
 key = "plant.dead_zone_rad"
 label = "gap"
@@ -231,6 +233,7 @@ name = "relative"
 metric = "overshoot_rad"
 per = 2.0
 or_count_of = "encoders.load_counts_per_rev"
+over = "minimum-settle-time"
 only_if = "settle_time_s"
 at_most = 5.0
 [[expect]]

@@ -14,9 +14,16 @@ use tests::workspace;
 use crate::markdown::table;
 
 /// Numbers of the plant that a movement in one direction leaves without effect, and the one that the study varies.
-const UNUSED: [&str; 5] = [
+const UNUSED: [&str; 12] = [
     "substeps",
     "load_friction_asymmetry",
+    "load_mode_fraction",
+    "load_mode_hz",
+    "load_mode_damping",
+    "motor_friction_asymmetry",
+    "cogging_nm",
+    "cogging_per_turn",
+    "torque_offset_nm",
     "bristle_stiffness_nm_rad",
     "bristle_damping_nm_s_rad",
     "torque_saturation_nm",

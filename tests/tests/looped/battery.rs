@@ -73,6 +73,28 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
 }
 
 #[test]
+fn harder_battery_runs_every_part_and_measures_without_limits() {
+    let records = Records::new();
+    let ended = run(&records, "--hard --plants 1 --controller braking-curve").with_code(0);
+    assert!(ended.stdout.ends_with("no limits: none of these laws has any\n"), "{}", ended.stdout);
+    let rows = rows(&records);
+    // Five parts with random plants, and 69 values of 17 sweeps.
+    assert_eq!(rows.len(), 5 + 69);
+    assert!(rows.iter().all(|row| !row["end"].starts_with("no run")));
+    let of = |part: &str| rows.iter().find(|row| row["part"] == part).expect("a row");
+    for (part, column, is_number) in [
+        ("alternating-moves", "settle_over_minimum", false),
+        ("alternating-moves", "settle_after_every_move_s", true),
+        ("random-hard", "settle_over_minimum", true),
+        ("random-hard", "settle_after_every_move_s", false),
+        ("random-hard", "dead_zone_beyond_two_deviations", true),
+    ] {
+        let field = &of(part)[column];
+        assert_eq!(field.parse::<f64>().is_ok(), is_number, "{part}: {column} is {field}");
+    }
+}
+
+#[test]
 fn braking_curve_meets_its_limits_on_seeds_outside_its_tuning() {
     for seed in [11, 12, 13] {
         let line = format!("paper battery --plants 60 --controller braking-curve --no-sweeps --seed {seed}");

@@ -20,6 +20,12 @@ settings! {
 }
 
 impl EnvironmentSettings {
+    /// Whether neither load torque nor wear acts.
+    #[must_use]
+    pub fn is_absent(&self) -> bool {
+        self.load_torque.torque_nm == 0.0 && self.wear.growth_rad == 0.0
+    }
+
     /// Wear and load torque at a time of the run.
     #[must_use]
     pub fn at(&self, time_s: f64) -> Environment {

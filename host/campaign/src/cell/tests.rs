@@ -33,12 +33,26 @@ fn metrics(error_rad: f64, dead_zone_rad: f64, deviation_rad: f64) -> Metrics {
     measurement.metrics()
 }
 
-fn derived() -> [Derived; 2] {
+/// A case whose encoders have these counts, and whose plant settles within a quarter of a second at best.
+struct Case(f64);
+
+impl CaseNumbers for Case {
+    fn number(&self, _: &str) -> Option<f64> {
+        Some(self.0)
+    }
+
+    fn quantity(&self, _: Divisor) -> Option<f64> {
+        Some(0.25)
+    }
+}
+
+fn derived() -> [Derived; 3] {
     let bands = Derived {
         name: "static_error_bands".to_owned(),
         metric: Metric::StaticError,
         per: Some(2e-3),
         or_count_of: Some("encoders.load_counts_per_rev".to_owned()),
+        over: None,
         only_if: None,
     };
     let learnt = Derived {
@@ -46,13 +60,22 @@ fn derived() -> [Derived; 2] {
         metric: Metric::DeadZoneError,
         per: None,
         or_count_of: None,
+        over: None,
         only_if: Some((Metric::DeadZoneDeviation, LEARNT_RAD)),
     };
-    [bands, learnt]
+    let relative = Derived {
+        name: "over_minimum".to_owned(),
+        metric: Metric::PeakTrackingError,
+        per: None,
+        or_count_of: None,
+        over: Some(Divisor::MinimumSettleTime),
+        only_if: None,
+    };
+    [bands, relative, learnt]
 }
 
 fn of(end: &End, verdict: Verdict, metrics: &Metrics, counts: f64) -> Vec<Cell> {
-    judged(end, verdict, metrics, &derived(), |_| Some(counts))
+    judged(end, verdict, metrics, &derived(), &Case(counts))
 }
 
 #[test]
@@ -96,6 +119,13 @@ fn static_error_in_bands_is_relative_to_the_wider_of_2_mrad_and_a_count() {
         let have = cells[Metric::ALL.len()].value().expect("a value");
         assert!((have - want).abs() < 1e-12, "have {have}, want {want}");
     }
+}
+
+#[test]
+fn a_column_over_a_quantity_of_the_run_is_divided_by_it() {
+    let cells = of(&End::Complete, Verdict::Pass, &metrics(0.02, 0.16, 0.0), 1e4);
+    let have = cells[Metric::ALL.len() + 1].value().expect("a value");
+    assert!((have - 0.08).abs() < 1e-12, "have {have}, want 0.02 / 0.25");
 }
 
 #[test]

@@ -11,7 +11,14 @@ fn axis(key: &str, values: &[f64]) -> Axis {
 }
 
 fn grid(axes: Vec<Axis>, most_cells: usize, cell: impl Fn(u64) -> Cell) -> Grid {
-    let part = Part { name: "map".to_owned(), method: Method::Grid, points: None, axes };
+    let part = Part {
+        name: "map".to_owned(),
+        set: Vec::new(),
+        method: Method::Grid,
+        points: None,
+        axes_of: None,
+        axes,
+    };
     let rows = part.axes.iter().map(|axis| axis.values.len()).product();
     let mut grid = Grid::of(&part, most_cells).expect("a grid");
     (0..rows).for_each(|row| grid.push(row, cell(row)));

@@ -2,6 +2,8 @@
 
 use lashloop_bench::scenario::Override;
 use lashloop_campaign::Campaign;
+use lashloop_campaign::cell::CaseNumbers as _;
+use lashloop_campaign::file::Divisor;
 
 use crate::support::{campaign, read};
 
@@ -69,4 +71,48 @@ fn a_case_sets_all_keys_of_an_axis_on_top_of_its_variant() {
     assert_eq!(campaign.overrides(&case), want.map(set));
     let scenario = campaign.scenario(&case).expect("a scenario");
     assert_eq!(scenario.plant.number("stiffness_nm_rad"), Some(2.0));
+}
+
+#[test]
+fn a_part_sets_values_and_a_variant_omits_keys_it_lacks() {
+    let parts = "[[variant]]\nname = \"all\"\n\
+                 [[variant]]\nname = \"lacks\"\nomit = [\"plant.load_inertia_kg_m2\"]\n\
+                 [[part]]\nname = \"one\"\nmethod = \"list\"\nset = [\"encoders.load_counts_per_rev=500\"]\n\
+                 [[part.axis]]\nkeys = [\"plant.load_friction_nm_s_rad\", \"plant.load_inertia_kg_m2\"]\nvalues = [3]\n";
+    let campaign = read(parts).expect("a campaign");
+    let cases = [0, 1].map(|number| campaign.case(number).expect("a case"));
+    let [all, lacks] = cases.each_ref().map(|case| {
+        let scenario = campaign.scenario(case).expect("a scenario");
+        assert_eq!(scenario.encoders.load_counts_per_rev, 500);
+        assert_eq!(campaign.number(case, "encoders.load_counts_per_rev"), Some(500.0));
+        let number = |key| scenario.plant.number(key).expect("a number");
+        let inertia = number("load_inertia_kg_m2");
+        assert_eq!(campaign.number(case, "plant.load_inertia_kg_m2"), Some(inertia));
+        [number("load_friction_nm_s_rad"), inertia]
+    });
+    assert_eq!((all, lacks), ([3.0, 3.0], [3.0, 7.5]));
+}
+
+#[test]
+fn the_minimum_settling_time_is_that_of_the_case_s_own_plant() {
+    let minimum_s = |set: &str| {
+        let part = format!(
+            "[[part]]\nname = \"one\"\nmethod = \"list\"\nset = [{set}]\n\
+             [[part.axis]]\nkey = \"plant.torque_saturation_nm\"\nvalues = [10]\n"
+        );
+        let campaign = read(&part).expect("a campaign");
+        let case = campaign.case(0).expect("a case");
+        (&campaign, &case).quantity(Divisor::MinimumSettleTime)
+    };
+    // benchmarks/minimum-time: 1.382 s at 10 N m, with a delay of 1 ms.
+    assert!((minimum_s("").expect("a minimum") / 1.382 - 1.0).abs() < 0.02, "{:?}", minimum_s(""));
+    let later = minimum_s("\"plant.torque_delay_us=101000\"").expect("a minimum");
+    assert!((later - minimum_s("").expect("a minimum") - 0.1).abs() < 1e-12);
+    for without in [
+        "\"plant.load_torque.torque_nm=1\"",
+        "\"plant.initial.load_velocity_rad_s=1\"",
+        "\"reference={ profile='step', before_rad=0, after_rad=1, at_s=1 }\"",
+    ] {
+        assert_eq!(minimum_s(without), None, "{without}");
+    }
 }

@@ -14,7 +14,7 @@ use crate::campaign_run::{Concluded, RunsOptions, evidence_interrupted, jobs};
 use crate::error::CliError;
 use crate::options::plants;
 use crate::output::outln;
-use battery::campaign::{RANDOM_PLANTS, campaign, parse_law};
+use battery::campaign::{Battery, parse_law};
 use battery::text::Tables;
 use lashloop::Bench;
 
@@ -23,9 +23,17 @@ use lashloop::Bench;
 /// First random plants (parameters within 30 % of their nominal values; gap, stiction and encoders over ranges of their
 /// own), then the nominal plant with one quantity varied at a time. Exit code 1 if a law misses one of its limits on the
 /// random plants. The campaign is campaigns/battery.toml; `lashloop campaign` runs others.
+///
+/// With --hard, motors, encoders and loads are real: offset, cogging and back-EMF of the torque, noise and eccentricity,
+/// other loads and ratios, a load of two masses, LuGre friction, moves to and fro. That campaign is
+/// campaigns/battery-hard.toml; it has no limits.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Number of random plants
+    /// Run the harder campaign
+    #[arg(long)]
+    hard: bool,
+
+    /// Number of random plants in each part that has any
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     plants: u64,
 
@@ -53,14 +61,16 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let battery = if self.hard { Battery::Hard } else { Battery::Standard };
+        let parts = if self.no_sweeps { battery.random_parts()? } else { Vec::new() };
         let selection = Selection {
             seed: Some(self.seed),
             set: Vec::new(),
-            parts: if self.no_sweeps { vec![RANDOM_PLANTS.to_owned()] } else { Vec::new() },
+            parts,
             variants: self.controller,
             points: Some(self.plants),
         };
-        let campaign = campaign(selection, &plants(bench))?;
+        let campaign = battery.campaign(selection, &plants(bench))?;
         let device = InProcessDrive::<Laws>::default().into();
         let jobs = jobs(self.runs.jobs, &device, ClockName::Lockstep)?;
         self.runs.run(&campaign, &device, jobs, Shard::WHOLE, false, |execution| {
@@ -69,7 +79,8 @@ impl Arguments {
                 return Ok(Exit::Invalid);
             };
             let verdict = report.verdict;
-            outln!("{}", Tables::new(report, &Table::new(&campaign, &execution.folder.join(RESULTS)))?);
+            let table = Table::new(&campaign, &execution.folder.join(RESULTS));
+            outln!("{}", Tables::new(battery, report, &table)?);
             Ok(verdict.into())
         })
     }

@@ -140,7 +140,7 @@ impl Rest {
         }
         let explained = EDGE_COUNTS.hypot(UNSTATED * self.noise_counts / 3.0_f64.sqrt());
         ["motor", "load"].into_iter().zip(&self.counts).find_map(|(encoder, counts)| {
-            let jitter = jitter(counts);
+            let jitter = jitter_of_edges(counts);
             let (shown_counts, stated_counts) = (jitter * 3.0_f64.sqrt(), self.noise_counts);
             (jitter > explained).then_some(Halt::Noisy(Noisy { encoder, shown_counts, stated_counts }))
         })
@@ -151,6 +151,12 @@ impl Rest {
 fn jitter(counts: &[f64]) -> f64 {
     let squares = counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
     (squares / (2.0 * (counts.len() as f64 - 1.0))).sqrt()
+}
+
+/// The same from second differences, to which a motion adds next to nothing.
+fn jitter_of_edges(counts: &[f64]) -> f64 {
+    let squares = counts.windows(3).map(|it| (it[2] - 2.0 * it[1] + it[0]).powi(2)).sum::<f64>();
+    (squares / (6.0 * (counts.len() as f64 - 2.0))).sqrt()
 }
 
 /// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.

@@ -23,11 +23,13 @@
 //! | `substeps` | the substeps that stability needs |
 //! | `plant` | the plant made of all these |
 //! | `model` | its keys in scenarios |
+//! | `minimum_time` | the shortest settling time of its motor |
 
 mod cogging;
 mod contact;
 mod load_mode;
 mod lugre;
+mod minimum_time;
 mod model;
 mod modes;
 mod motion;

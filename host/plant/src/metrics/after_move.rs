@@ -20,11 +20,38 @@ struct Move {
     inside_since_s: Option<f64>,
 }
 
-/// Time from the end of the reference's last move to the first sample after the last one outside the band.
+impl Move {
+    /// Time from the end of the move to the first sample after the last one outside the band.
+    fn settled(&self) -> Measured {
+        match self {
+            Self { moving: true, .. } => Measured::NoEndOfMotion,
+            Self { inside_since_s: None, .. } => Measured::Never,
+            Self { inside_since_s: Some(since_s), end_s, .. } => Measured::finite(since_s - end_s),
+        }
+    }
+}
+
+/// Settling after the reference's last move, or the longest after any of its moves.
 #[derive(Debug, Default)]
 pub(super) struct SettlingAfterMove {
     previous_rad: Option<f64>,
     last: Option<Move>,
+    /// Of the moves before the last one, if they count: the longest settling, or [`Measured::Never`].
+    longest: Option<Measured>,
+}
+
+impl SettlingAfterMove {
+    /// Of every move.
+    pub(super) const fn of_every_move() -> Self {
+        Self { previous_rad: None, last: None, longest: Some(Measured::Value(0.0)) }
+    }
+}
+
+fn longer(one: Measured, other: Measured) -> Measured {
+    match (one, other) {
+        (Measured::Value(one), Measured::Value(other)) => Measured::Value(one.max(other)),
+        (Measured::Value(_), reason) | (reason, _) => reason,
+    }
 }
 
 impl Meter for SettlingAfterMove {
@@ -34,7 +61,12 @@ impl Meter for SettlingAfterMove {
         if let Some(before_rad) = changed_from {
             let (low_rad, high_rad) = match self.last {
                 Some(Move { low_rad, high_rad, moving: true, .. }) => (low_rad, high_rad),
-                _ => (before_rad, before_rad),
+                ended => {
+                    if let (Some(ended), Some(longest)) = (ended, &mut self.longest) {
+                        *longest = longer(*longest, ended.settled());
+                    }
+                    (before_rad, before_rad)
+                }
             };
             self.last = Some(Move {
                 low_rad: low_rad.min(reference_rad),
@@ -55,11 +87,10 @@ impl Meter for SettlingAfterMove {
     }
 
     fn measured(&self) -> Measured {
-        match self.last {
-            None => Measured::NoMove,
-            Some(Move { moving: true, .. }) => Measured::NoEndOfMotion,
-            Some(Move { inside_since_s: None, .. }) => Measured::Never,
-            Some(Move { inside_since_s: Some(since_s), end_s, .. }) => Measured::finite(since_s - end_s),
+        match (&self.last, self.longest) {
+            (None, _) => Measured::NoMove,
+            (Some(last), None) => last.settled(),
+            (Some(last), Some(longest)) => longer(longest, last.settled()),
         }
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::after_move::SettlingAfterMove;
 use super::channel::Channel;
+use super::coverage::Beyond;
 use super::lost_motion::Reversal;
 use super::measured::Measured;
 use super::meter::{Meter, NewMeter, Setup};
@@ -93,6 +94,8 @@ metrics! {
     /// Time from the last change of the reference to the first sample after the last one with abs(e) > 2 % of the
     /// reference's last move; the move is peak to peak.
     SettleAfterMove = "settle_after_move_s" in "s" trend Any by |_| boxed(SettlingAfterMove::default());
+    /// The longest of such times after all moves of the reference, each up to the next.
+    SettleAfterEveryMove = "settle_after_every_move_s" in "s" trend Any by |_| boxed(SettlingAfterMove::of_every_move());
     /// Time from the load's first sample at 10 % of its way to its first at 90 %; the way leads from the load's first
     /// position to the reference's last value.
     RiseTime = "rise_time_s" in "s" trend Fixed by |setup| boxed(RiseTime::new(setup.final_rad));
@@ -132,6 +135,10 @@ metrics! {
     DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" trend Any by |setup| {
         statistic(setup.needed(DEAD_ZONE_DEVIATION)?, Statistic::Final)
     };
+    /// Fraction of the estimates of j0 that are off by more than two of the deviations stated with them.
+    DeadZoneBeyondTwo = "dead_zone_beyond_two_deviations" in "" trend Any by |setup| beyond(setup, 2.0);
+    /// Fraction of the estimates of j0 that are off by more than four of the deviations stated with them.
+    DeadZoneBeyondFour = "dead_zone_beyond_four_deviations" in "" trend Any by |setup| beyond(setup, 4.0);
     /// Time of the first estimate after the last one more than 0.02 rad from the true j0.
     DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" trend Settling by |setup| {
         boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
@@ -182,6 +189,10 @@ fn tail(setup: &Setup<'_>, channel: Channel, figure: Figure, window_s: f64) -> N
 
 fn dead_zone(setup: &Setup<'_>) -> Result<Channel, Measured> {
     setup.estimate_error(DEAD_ZONE.0, DEAD_ZONE.1)
+}
+
+fn beyond(setup: &Setup<'_>, deviations: f64) -> NewMeter {
+    boxed(Beyond::new(dead_zone(setup)?, setup.needed(DEAD_ZONE_DEVIATION)?, deviations))
 }
 
 fn disturbing_torque(setup: &Setup<'_>) -> Result<Channel, Measured> {

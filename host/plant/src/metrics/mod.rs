@@ -28,11 +28,13 @@
 //! | `measurement`, `results` | from samples to values |
 //! | `meter`, `channel` | the contract of a metric's computation, and what it reads |
 //! | `settling`, `after_move`, `rise_time`, `overshoot` | meters of the transient |
+//! | `coverage` | meter of the estimates' own deviations |
 //! | `tail`, `velocity_error`, `lost_motion` | meters of the steady state |
 //! | `torque` | meters of the torque |
 
 mod after_move;
 mod channel;
+mod coverage;
 #[cfg(test)]
 mod fixture;
 mod lost_motion;

@@ -6,7 +6,7 @@ use super::*;
 fn selected(seed: u64, points: u64) -> Campaign {
     let parts = vec![RANDOM_PLANTS.to_owned()];
     let selection = Selection { seed: Some(seed), points: Some(points), parts, ..Selection::default() };
-    campaign(selection, &standard()).expect("the campaign")
+    Battery::Standard.campaign(selection, &standard()).expect("the campaign")
 }
 
 fn settings(campaign: &Campaign, case: u64) -> Vec<String> {
@@ -98,4 +98,37 @@ fn nominal(campaign: &Campaign, key: &str) -> f64 {
     let source = &campaign.sources[1];
     let scenario = Scenario::from_str(&source.path, &source.text, &[]).expect("a scenario");
     scenario.plant.number(key.strip_prefix("plant.").expect("a key of the plant")).expect("a number")
+}
+
+#[test]
+fn the_harder_battery_has_the_plants_of_the_standard_one() {
+    let standard = Battery::Standard.file().expect("a file").parts.swap_remove(0);
+    let hard = Battery::Hard.file().expect("a file");
+    let plants_of = |name: &str| hard.parts.iter().find(|part| part.name == name).expect("a part");
+    assert_eq!(plants_of("alternating-moves").axes, standard.axes);
+    for name in ["random-hard", "alternating-moves-hard", "random-lugre"] {
+        assert_eq!(plants_of(name).axes[..standard.axes.len()], standard.axes, "{name}");
+    }
+}
+
+#[test]
+fn the_harder_battery_tells_each_law_what_it_can_take() {
+    let laws = laws().expect("laws");
+    let hard = Battery::Hard.file().expect("a file");
+    assert_eq!(
+        hard.variants.iter().map(|variant| &variant.name).collect::<Vec<_>>(),
+        laws.iter().collect::<Vec<_>>()
+    );
+    let known = Selection { parts: vec!["load-known".to_owned()], ..Selection::default() };
+    let campaign = Battery::Hard.campaign(known, &standard()).expect("the campaign");
+    for (variant, law) in laws.iter().enumerate() {
+        let case = campaign.first_case(0, variant);
+        let set = campaign.scenario(&case).expect("a scenario").controller.parameters;
+        let has = |name: &str| set.iter().any(|setting| setting.name == name);
+        assert_eq!(
+            (has("load_inertia_kg_m2"), has("load_coulomb_nm")),
+            (true, law == "braking-curve"),
+            "{law}"
+        );
+    }
 }

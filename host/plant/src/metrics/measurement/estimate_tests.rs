@@ -158,3 +158,28 @@ fn signals_are_found_by_name_in_any_order() {
     assert_close(&measurement.metrics(), Metric::DeadZoneDeviation, 0.02);
     assert_close(&measurement.metrics(), Metric::DisturbingTorqueBias, -1.0);
 }
+
+#[test]
+fn estimates_beyond_their_own_deviations_are_counted() {
+    let mut measurement = Measurement::new(PERIOD_S, &signals());
+    // Errors of 0.5, 1.5, to 9.5 deviations; every other sample has no telemetry.
+    for step in 0..20 {
+        let deviation_rad = 0.02;
+        let drive = [0.1 + (f64::from(step / 2) + 0.5) * deviation_rad, 0.0, deviation_rad];
+        let telemetry = (step % 2 == 0).then_some(drive.as_slice());
+        measurement.push(&Sample { drive: telemetry, ..at_rest(f64::from(step) * PERIOD_S) });
+    }
+    let metrics = measurement.metrics();
+    assert_close(&metrics, Metric::DeadZoneBeyondTwo, 0.8);
+    assert_close(&metrics, Metric::DeadZoneBeyondFour, 0.6);
+}
+
+#[test]
+fn a_law_without_a_deviation_has_no_fraction_beyond_it() {
+    let mut signals = signals();
+    signals.drive.retain(|signal| signal.name != "dead_zone_deviation_rad");
+    let mut measurement = Measurement::new(PERIOD_S, &signals);
+    measurement.push(&Sample { drive: Some(&[0.1, 0.0]), ..at_rest(0.0) });
+    let have = measurement.metrics().get(Metric::DeadZoneBeyondTwo);
+    assert_eq!(have, Measured::MissingSignal("drive.dead_zone_deviation_rad"));
+}

@@ -84,23 +84,33 @@ fn settling_after_a_move_needs_a_move_that_ends() {
     assert_eq!(settle(&step(1.0), |_| 0.981), Measured::Value(0.0));
 }
 
-#[test]
-fn last_of_several_moves_is_the_one_that_settles() {
+/// Jumps of 1 rad at 1 s and of 0.1 rad at 2 s, which the load follows `delays` later, in steps.
+fn two_jumps(delays: [u32; 2]) -> Metrics {
     let mut measurement = Measurement::new(PERIOD_S, &signals());
+    let position_rad = |step: u32, [first, second]: [u32; 2]| {
+        f64::from(u8::from(step >= 1000 + first)) + 0.1 * f64::from(u8::from(step >= 2000 + second))
+    };
     for step in 0..3000 {
-        // Jumps of 1 rad at 1 s and of 0.1 rad at 2 s, which the load follows 50 ms later.
-        let reference_at = |step: u32| match step {
-            0..1000 => 0.0,
-            1000..2000 => 1.0,
-            _ => 1.1,
-        };
         measurement.push(&Sample {
-            reference_rad: reference_at(step),
-            load_position_rad: reference_at(step.saturating_sub(50)),
+            reference_rad: position_rad(step, [0, 0]),
+            load_position_rad: position_rad(step, delays),
             ..at_rest(f64::from(step) * PERIOD_S)
         });
     }
-    assert_metric(&measurement.metrics(), Metric::SettleAfterMove, 0.05);
+    measurement.metrics()
+}
+
+#[test]
+fn last_of_several_moves_is_the_one_that_settles() {
+    assert_metric(&two_jumps([200, 50]), Metric::SettleAfterMove, 0.05);
+}
+
+#[test]
+fn every_move_counts_in_the_longest_settling() {
+    assert_metric(&two_jumps([200, 50]), Metric::SettleAfterEveryMove, 0.2);
+    assert_metric(&two_jumps([50, 200]), Metric::SettleAfterEveryMove, 0.2);
+    let missed = two_jumps([1001, 0]).get(Metric::SettleAfterEveryMove);
+    assert_eq!(missed, Measured::Never, "the first move did not settle before the second");
 }
 
 #[test]

@@ -47,6 +47,7 @@ fn name_of_a_metric_ends_with_its_unit() {
             "rad" => "_rad",
             "N m" => "_nm",
             "N^2 m^2 s" => "_nm2s",
+            "" => "_deviations",
             other => panic!("{metric}: no ending for {other}"),
         };
         assert!(metric.name().ends_with(end), "{metric}");

@@ -63,6 +63,7 @@ fn within(metric: Metric, first: u32, end: u32) -> Query {
 fn regulation_measures_everything_but_motion() {
     let want = [
         (Metric::SettleAfterMove, Measured::NoMove),
+        (Metric::SettleAfterEveryMove, Measured::NoMove),
         (Metric::SteadyVelocityError, Measured::NoSteadyVelocity),
         (Metric::LostMotion, Measured::NoReversal),
     ];
@@ -74,6 +75,7 @@ fn slow_sine_measures_lost_motion_and_no_rest() {
     let run = Run { reference: SINE, ..regulation() };
     let want = [
         (Metric::SettleAfterMove, Measured::NoEndOfMotion),
+        (Metric::SettleAfterEveryMove, Measured::NoEndOfMotion),
         (Metric::RiseTime, Measured::NoEndOfMotion),
         (Metric::SteadyVelocityError, Measured::NoSteadyVelocity),
     ];
