@@ -52,6 +52,19 @@ pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2], noi
 }
 
 impl Fit {
+    /// Takes the parts of a cogging that isn't likely from a fit that has it.
+    pub(crate) fn take_cogging(&mut self, other: &Self) {
+        self.point.vector.cogging_per_turn = other.point.vector.cogging_per_turn;
+        self.per_turn.clear();
+        let places = Parameter::COGGING.map(|it| it as usize);
+        for (at, parameter) in places.into_iter().zip(Parameter::COGGING) {
+            self.point.vector.set(parameter, other.point.vector.get(parameter));
+            for from in places {
+                self.covariance[(at, from)] = other.covariance[(at, from)];
+            }
+        }
+    }
+
     /// Sum of the squares of both residuals.
     pub(crate) fn squares(&self) -> f64 {
         self.residual_counts.iter().map(|it| it * it).sum()

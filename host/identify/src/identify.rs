@@ -157,6 +157,14 @@ fn fitted(
     }
     tried.sort_by(|a, b| a.squares().total_cmp(&b.squares()));
     let nearest = tried.first()?;
+    let is_likely = |it: &&Fit| it.squares() < LIKELY * nearest.squares();
+    if is_likely(&&coarse) {
+        // The others don't pay for a cogging that isn't there, and its bound is that of the nearest.
+        let without = prior.free(|it| !Parameter::COGGING.contains(&it));
+        let mut fit = problem(without, Substeps::Fine).fit(coarse.point.clone(), ITERATIONS)?;
+        fit.take_cogging(nearest);
+        return Some(fit);
+    }
     let fine = problem(all, Substeps::Fine);
     let mut fit = fine.fit(nearest.point.clone(), ITERATIONS)?;
     for _ in 0..DENTS {
@@ -166,10 +174,6 @@ fn fitted(
         }
         fit = other;
     }
-    let is_likely = |it: &&Fit| it.squares() < LIKELY * nearest.squares();
     fit.per_turn = tried.iter().filter(is_likely).map(|it| it.point.vector.cogging_per_turn).collect();
-    if is_likely(&&coarse) {
-        fit.per_turn.clear();
-    }
     Some(fit)
 }

@@ -85,8 +85,9 @@ const REST_STATED_NOISE: f64 = 0.9;
 /// An encoder at rest exceeds it now and then, and the motion is repeated.
 const REST_CHANGE: f64 = 0.5;
 
-/// Jitter from sample to sample at rest that an encoder without noise may have, in counts: it stands at an edge.
-const EDGE_COUNTS: f64 = 0.5;
+/// Largest jitter from sample to sample, in counts, of an encoder with less than a count of noise: at an edge it jumps by a
+/// count, a standard deviation of 0.5, and 50 samples show that within a third.
+const EDGE_COUNTS: f64 = 0.75;
 /// Jitter over that of the stated noise from which the noise counts as unstated.
 const UNSTATED: f64 = 1.5;
 
@@ -274,5 +275,38 @@ impl Guard {
     #[must_use]
     pub fn peaks(&self) -> Peaks {
         self.peaks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The halt of an encoder at rest whose counts jump by these, one after the other.
+    fn halt(jumps: [i64; 5], stated_counts: f64) -> Option<Halt> {
+        let mut instruments = Instruments::exact(4000, 4000, 0);
+        instruments.noise_counts = stated_counts;
+        let limits = Limits {
+            torque_nm: 1.0,
+            motor_speed_rad_s: 100.0,
+            load_speed_rad_s: 100.0,
+            load_travel_rad: 1.0,
+        };
+        let mut guard = Guard::new(limits, &instruments, 1e-3, None, None);
+        (0..50).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
+    }
+
+    #[test]
+    fn unstated_noise_is_named_with_its_size_and_stated_noise_is_not() {
+        let Some(Halt::Noisy(noisy)) = halt([2, -1, 1, -2, 0], 0.0) else { panic!("noise of 2 counts") };
+        assert_eq!((noisy.encoder, noisy.stated_counts), ("load", 0.0));
+        assert!((1.5..4.0).contains(&noisy.shown_counts), "{noisy}");
+        assert_eq!(halt([2, -1, 1, -2, 0], 2.0), None);
+    }
+
+    #[test]
+    fn an_encoder_at_an_edge_is_not_noisy() {
+        assert_eq!(halt([0, 1, 1, 0, 0], 0.0), None);
+        assert_eq!(halt([0; 5], 0.0), None);
     }
 }
