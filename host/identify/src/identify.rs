@@ -19,6 +19,7 @@ const RESTARTS: usize = 2;
 /// Counts of the cogging per turn that a fit is made with.
 const CANDIDATES: usize = 5;
 const CANDIDATES_OF_FOLLOWED: usize = 2;
+const ITERATIONS_OF_CANDIDATE: usize = 15;
 /// Rounds in which motions may begin in another dent of the cogging.
 const DENTS: usize = 3;
 /// Squares of the residuals up to which another count per turn, or none, may be the true one.
@@ -153,7 +154,11 @@ fn fitted(
         next.vector.cogging_per_turn = per_turn;
         next.vector.set(Parameter::CoggingCosine, parts_nm[0]);
         next.vector.set(Parameter::CoggingSine, parts_nm[1]);
-        tried.extend(problem(all, Substeps::Coarse).fit(next, ITERATIONS));
+        tried.extend(problem(all, Substeps::Coarse).fit(next, ITERATIONS_OF_CANDIDATE));
+        // The others only show how sure the count is.
+        if tried.len() >= CANDIDATES_OF_FOLLOWED && tried.iter().any(|it| it.is_followed(noise_counts)) {
+            break;
+        }
     }
     tried.sort_by(|a, b| a.squares().total_cmp(&b.squares()));
     let nearest = tried.first()?;
