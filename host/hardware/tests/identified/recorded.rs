@@ -36,10 +36,11 @@ fn a_move_in_one_direction_shows_the_friction_of_that_direction_only() {
         ("gap_width_rad", 0.4),
         ("reduction_ratio", 3.0),
         ("load_inertia_kg_m2", 7.5),
-        ("load_coulomb_backward_nm", 3.0),
     ] {
         assert_shown(&identified, name, truth, 0.02);
     }
+    // In one direction an offset of the torque looks like friction.
+    assert_shown(&identified, "load_coulomb_backward_nm", 3.0, 0.15);
     let width = |name| {
         let estimate = identified.quantity(name).and_then(|it| it.estimate);
         estimate.map_or(f64::INFINITY, |it| it.high / it.low - 1.0)
