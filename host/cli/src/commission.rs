@@ -20,6 +20,7 @@ use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::commission_motor;
+use super::encoder_errors::EncoderErrors;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
 use super::options::{RigOption, plants};
@@ -91,9 +92,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     torque_delay_us: Option<u32>,
 
-    /// Noise of both encoders in counts: edges jitter uniformly by up to this in either direction [default: none]
+    /// Noise of both encoders in counts: edges jitter uniformly by up to this in either direction [default: none; in HIL
+    /// mode that of the scenario]
     #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
     encoder_noise: Option<f64>,
+
+    #[command(flatten)]
+    encoder_errors: EncoderErrors,
 
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
@@ -180,7 +185,7 @@ impl Arguments {
             let end = match run.halt {
                 Some(Halt::Moved) => "until the load moved".to_owned(),
                 Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
-                Some(Halt::NotAtRest) | None => run.outcome.end.to_string(),
+                Some(Halt::NotAtRest | Halt::Noisy(_)) | None => run.outcome.end.to_string(),
             };
             outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
             let Some(writer) = run.writer.take() else { return Ok(()) };
@@ -298,8 +303,16 @@ impl Arguments {
         let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
         let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
         let delay_us = self.torque_delay_us.unwrap_or(TORQUE_DELAY_US);
-        let noise_counts = self.encoder_noise.unwrap_or_default();
-        Instruments { noise_counts, ..instruments(template, torque_per_duty_nm, delay_us) }
+        let of_template = instruments(template, torque_per_duty_nm, delay_us);
+        let of_rig = rig.map_or([None; 2], |taken| {
+            let encoders = &taken.rig.encoders;
+            [encoders.motor_error_rad, encoders.load_error_rad]
+        });
+        Instruments {
+            noise_counts: self.encoder_noise.unwrap_or(of_template.noise_counts),
+            encoder_error_rad: self.encoder_errors.or(of_rig, of_template.encoder_error_rad),
+            ..of_template
+        }
     }
 
     /// The scenario of motions with these settings.

@@ -15,6 +15,7 @@ use lashloop_record::json_file::write_json;
 use lashloop_record::manifest::Manifest;
 use lashloop_record::reader::Record;
 
+use super::encoder_errors::EncoderErrors;
 use super::error::CliError;
 use super::options::plants;
 use super::output::{outln, prepare_folder, print_json, write_file};
@@ -52,6 +53,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COUNTS", value_parser = encoder_noise)]
     encoder_noise: Option<f64>,
 
+    #[command(flatten)]
+    encoder_errors: EncoderErrors,
+
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the
     /// record's scenario, or the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
@@ -88,7 +92,7 @@ impl Arguments {
             let Manifest { mode: of_record, parameters, .. } = &record.manifest;
             let choice = |name: &str| parameters.iter().find(|it| it.name == name)?.choice.clone();
             let in_force = directions_in_force(*of_record, choice);
-            motions.push(series(&record.trace, &instruments, in_force).map_err(unfit)?);
+            motions.push(series(&record.trace, &instruments, *of_record, in_force).map_err(unfit)?);
             if of_record.is_hil() {
                 mode = *of_record;
             }
@@ -120,7 +124,12 @@ impl Arguments {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
             let exact = Instruments::exact(motor_counts_per_rev, load_counts_per_rev, torque_delay_us);
-            return Ok(Instruments { noise_counts: self.encoder_noise.unwrap_or_default(), ..exact });
+            let unstated = Instruments::UNSTATED_ENCODER_ERROR_RAD;
+            return Ok(Instruments {
+                noise_counts: self.encoder_noise.unwrap_or_default(),
+                encoder_error_rad: self.encoder_errors.or([None; 2], unstated),
+                ..exact
+            });
         }
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
@@ -135,6 +144,7 @@ impl Arguments {
             load_counts_per_rev: self.load_counts_per_rev.unwrap_or(known.load_counts_per_rev),
             torque_delay_us: self.torque_delay_us.unwrap_or(known.torque_delay_us),
             noise_counts: self.encoder_noise.unwrap_or(known.noise_counts),
+            encoder_error_rad: self.encoder_errors.or([None; 2], known.encoder_error_rad),
             ..known
         })
     }
@@ -205,6 +215,7 @@ fn start_of(scenario: &Scenario) -> Start {
             load_asymmetry: plant.number("load_friction_asymmetry").unwrap_or(shaft.load_asymmetry),
             motor: stribeck(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"], shaft.motor),
             current_lag_s: number("current_lag_ms", 1e3 * shaft.current_lag_s) / 1e3,
+            torque_offset_nm: plant.number("torque_offset_nm").unwrap_or(shaft.torque_offset_nm),
             ..shaft
         },
     }

@@ -29,6 +29,7 @@ mod decode;
 mod device;
 mod diff;
 mod doctor;
+mod encoder_errors;
 mod error;
 mod export;
 mod flash;

@@ -4,50 +4,18 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 use serde::Serialize;
 
+use crate::errors::{self, EncoderError};
 use crate::fit::{Fit, follows};
 use crate::parameters::{COUNT, Parameter, Vector};
+use crate::prior::Prior;
+use crate::quantity::{CONFIDENCE, DEVIATIONS, Estimate, Quantity};
 use crate::series::Instruments;
 use crate::signs::Directions;
 
-/// Probability that an interval contains the truth.
-pub const CONFIDENCE: f64 = 0.95;
-/// Standard deviations on each side of an interval. 1.96 would be those of a normal distribution; quantisation isn't noise,
-/// and on random plants its errors are up to this much larger.
-const DEVIATIONS: f64 = 3.2;
 /// Widest interval that is reported, as a factor in either direction: beyond, the motions don't show the quantity.
 const WIDEST: f64 = 2.0;
 /// Widest interval of a quantity that has no scale of its own.
 const WIDEST_FRACTION: f64 = 0.3;
-
-/// A value with the ends of its interval of [`CONFIDENCE`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Most likely value.
-    pub value: f64,
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-}
-
-/// One quantity of the drive train.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Quantity {
-    /// Name with its unit; that of the plant's key if the plant has one.
-    pub name: &'static str,
-    /// Unit; empty for a pure number.
-    pub unit: &'static str,
-    /// What it is.
-    pub meaning: &'static str,
-    /// `None` if the motions don't show it.
-    pub estimate: Option<Estimate>,
-    /// The key of the plant model `backlash-shaft`, or `None`.
-    #[serde(skip)]
-    pub plant_key: Option<&'static str>,
-    /// Name in the parameters of a drive, or `None`.
-    #[serde(skip)]
-    pub drive_parameter: Option<&'static str>,
-}
 
 /// The estimates of a drive train.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -58,6 +26,8 @@ pub struct Identified {
     pub instruments: Instruments,
     /// In the order of a table.
     pub quantities: Vec<Quantity>,
+    /// Where the errors of motor and load encoder within a turn are from.
+    pub encoder_errors: [EncoderError; 2],
     /// Root mean square of what the model leaves of the counts of motor and load.
     pub residual_counts: [f64; 2],
     /// Root mean square of what step and delay of the torque explain of it.
@@ -89,17 +59,26 @@ impl Identified {
     /// The most likely value of a quantity, whether the motions show it or not.
     #[must_use]
     pub fn likely(&self, name: &str) -> Option<f64> {
+        let ShaftParameters { torque_offset_nm, cogging, .. } = self.shaft;
+        match name {
+            "torque_offset_nm" => return Some(torque_offset_nm),
+            "cogging_nm" => return Some(cogging.amplitude_nm),
+            "cogging_per_turn" => return Some(cogging.per_turn),
+            _ => {}
+        }
         let vector = Vector::of(&self.mechanics, &self.shaft);
         DEFINITIONS.iter().find(|it| it.quantity.name == name).map(|it| (it.of)(&vector))
     }
 
-    pub(crate) fn new(fit: &Fit, directions: Directions, instruments: &Instruments) -> Self {
+    pub(crate) fn new(fit: &Fit, prior: &Prior, directions: Directions, instruments: &Instruments) -> Self {
         let vector = &fit.point.vector;
-        let quantities = DEFINITIONS.iter().map(|it| it.quantity(fit)).collect();
+        let mechanical = DEFINITIONS.iter().map(|it| it.quantity(fit));
+        let quantities = mechanical.chain(errors::quantities(fit, prior, instruments)).collect();
         Self {
             directions,
             instruments: *instruments,
             quantities,
+            encoder_errors: errors::encoder_errors(fit, prior, instruments.encoder_error_rad),
             residual_counts: fit.residual_counts,
             explained_counts: fit.explained_counts,
             confidence: CONFIDENCE,

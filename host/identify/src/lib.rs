@@ -11,7 +11,9 @@
 //! |---|---|
 //! | `series` | torques and counts of a motion; what is given of the instruments |
 //! | `signs` | directions of the encoders, by the work of the torque |
-//! | `parameters` | the parameters as the fit varies them |
+//! | `parameters`, `prior` | the parameters as the fit varies them; what is known of them before |
+//! | `cogging`, `dents` | counts of the cogging per turn; motions that begin in another of its dents |
+//! | `quantity`, `errors` | a quantity with its interval; those of the errors of torque and encoders |
 //! | `replay` | the torques of a motion on the plant model |
 //! | `contact`, `motor`, `balance`, `staged` | first estimates: line of contact, motor, momentum of the load, all in order |
 //! | `problem`, `noise`, `normal`, `fit` | nonlinear least squares: cost, worth of a residual, normal equations, steps |
@@ -29,8 +31,11 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod cogging;
 mod contact;
+mod dents;
 pub mod electrical;
+mod errors;
 pub mod excitation;
 mod fit;
 mod identified;
@@ -39,13 +44,17 @@ mod motor;
 mod noise;
 mod normal;
 mod parameters;
+mod prior;
 mod problem;
+mod quantity;
 mod replay;
 mod series;
 mod signs;
 mod staged;
 
-pub use identified::{CONFIDENCE, Estimate, Identified, Quantity};
+pub use errors::{EncoderError, Source};
+pub use identified::Identified;
 pub use identify::{IdentifyError, Start, identify};
+pub use quantity::{CONFIDENCE, Estimate, Quantity};
 pub use series::{Instruments, Series, SeriesError};
 pub use signs::{Direction, Directions, contradict, directions};

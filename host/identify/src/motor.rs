@@ -2,6 +2,7 @@
 
 use crate::fit::Fit;
 use crate::parameters::{COUNT, Parameter};
+use crate::prior::Prior;
 use crate::problem::{Point, Problem};
 use crate::replay::{Motion, Substeps};
 
@@ -14,6 +15,7 @@ const MOTOR: [bool; COUNT] = {
     free[Parameter::Stiffness as usize] = true;
     free[Parameter::DeadZone as usize] = true;
     free[Parameter::ShaftDamping as usize] = true;
+    free[Parameter::TorqueOffset as usize] = true;
     free
 };
 
@@ -27,7 +29,7 @@ const GOOD: f64 = 0.01;
 
 /// Fits the motor to the motions of the motor alone. The inertia is first searched for, with a shaft damped by 5 % of
 /// critical.
-pub(crate) fn motor(motions: &[Motion], still: &[usize], point: Point) -> Point {
+pub(crate) fn motor(motions: &[Motion], still: &[usize], point: Point, prior: &Prior) -> Point {
     let start = point.vector.get(Parameter::MotorInertia);
     let tried = (-SEARCH_STEPS..=SEARCH_STEPS).map(|step| {
         let mut next = point.clone();
@@ -54,6 +56,7 @@ pub(crate) fn motor(motions: &[Motion], still: &[usize], point: Point) -> Point 
             motions,
             used: still.to_vec(),
             start: candidate.vector,
+            prior: *prior,
             is_free: MOTOR,
             substeps: Substeps::Coarse,
         };
@@ -79,12 +82,12 @@ pub(crate) fn distance(motions: &[Motion], used: &[usize], point: &Point) -> f64
     let mut sum = 0.0;
     for &index in used {
         let (motion, own) = (&motions[index], &point.own[index]);
-        let Some(predicted) = motion.predict(&point.vector, own.twist_rad, Substeps::Coarse) else {
+        let Some(predicted) = motion.predict(&point.vector, own, Substeps::Coarse) else {
             return f64::INFINITY;
         };
         let scale = 0.02 * range(&motion.counts[0]).max(1.0);
         for at in (0..motion.samples()).filter(|&at| motion.is_used[0][at]) {
-            let residual = motion.counts[0][at] - predicted[0][at];
+            let residual = motion.counts[0][at] - predicted.counts[0][at];
             sum += (1.0 + (residual / scale).powi(2)).ln();
         }
     }

@@ -3,12 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::noise::Noise;
-use crate::parameters::{COUNT, Parameter};
-use crate::problem::{OFFSET_DEVIATION, OWN, Point, Problem, residual};
-use crate::replay::{Altered, Prediction};
+use crate::parameters::{COUNT, Parameter, Vector};
+use crate::problem::{OWN, Point, Problem, residual};
+use crate::replay::{Altered, Motion, OwnParameters, Prediction};
 
-/// Difference of an element.
-const STEP: f64 = 1e-4;
+/// Difference of the twist at the first sample, in rad.
+const TWIST_STEP_RAD: f64 = 1e-4;
 /// Time whose residuals count as one sample of the scatter: an error of the motor's breakaway lasts for a swing.
 const CLUSTER_S: f64 = 0.06;
 
@@ -36,6 +36,37 @@ impl Problem<'_> {
         self.normal_with(point, predictions, noise, Errors::Counts)
     }
 
+    /// The predictions that differ by a step of one element each, with the step: those of the parameters, then the twist.
+    pub(crate) fn columns(
+        &self,
+        motion: &Motion,
+        base: &Prediction,
+        vector: &Vector,
+        own: &OwnParameters,
+    ) -> Option<Vec<(f64, Prediction)>> {
+        let mut columns = Vec::with_capacity(COUNT + 1);
+        for parameter in Parameter::ALL {
+            if !self.is_free[parameter as usize] {
+                columns.push((1.0, base.clone()));
+                continue;
+            }
+            let step = self.prior.step(parameter);
+            let mut moved = *vector;
+            moved.set(parameter, moved.get(parameter) + step);
+            let is_of_encoder = Parameter::OF_ENCODERS.as_flattened().contains(&parameter);
+            let prediction = if is_of_encoder {
+                motion.reread(base, &moved, own)
+            } else {
+                motion.predict(&moved, own, self.substeps)?
+            };
+            columns.push((step, prediction));
+        }
+        let moved = OwnParameters { twist_rad: own.twist_rad + TWIST_STEP_RAD, ..*own };
+        let moved = motion.predict(vector, &moved, self.substeps)?;
+        columns.push((TWIST_STEP_RAD, moved));
+        Some(columns)
+    }
+
     /// As [`normal`](Self::normal), with these errors in the scatter.
     pub(crate) fn normal_with(
         &self,
@@ -54,20 +85,10 @@ impl Problem<'_> {
         let (mut squares, mut samples) = ([0.0; 2], [0.0_f64; 2]);
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
-            let mut columns = Vec::with_capacity(COUNT + 1);
-            for parameter in Parameter::ALL {
-                if !self.is_free[parameter as usize] {
-                    columns.push((STEP, base.clone()));
-                    continue;
-                }
-                let mut moved = point.vector;
-                moved.set(parameter, moved.get(parameter) + STEP);
-                columns.push((STEP, motion.predict(&moved, own.twist_rad, self.substeps)?));
-            }
-            columns.push((STEP, motion.predict(&point.vector, own.twist_rad + STEP, self.substeps)?));
+            let columns = self.columns(motion, base, &point.vector, &own)?;
             let mut moved_by = Vec::with_capacity(kinds);
             for Altered { held, scale } in &motion.altered[..kinds] {
-                let moved = motion.predict_under(held, &point.vector, own.twist_rad, self.substeps)?;
+                let moved = motion.predict_under(held, &point.vector, &own, self.substeps)?;
                 moved_by.push((*scale, moved));
             }
             let cluster = (CLUSTER_S / motion.period_s).ceil().max(1.0) as usize;
@@ -86,14 +107,15 @@ impl Problem<'_> {
                         let weight = noise.weight(encoder, residual);
                         let counts = noise.counts[encoder];
                         for (place, (step, moved)) in columns.iter().enumerate() {
-                            row[place] = (moved[encoder][at] - base[encoder][at]) / step / counts;
+                            row[place] =
+                                (moved.counts[encoder][at] - base.counts[encoder][at]) / step / counts;
                         }
                         row[COUNT + 1] = 0.0;
                         row[COUNT + 2] = 0.0;
                         row[COUNT + 1 + encoder] = 1.0 / counts;
                         samples[encoder] += 1.0;
                         for (kind, (scale, moved)) in moved_by.iter().enumerate() {
-                            let away_counts = scale * (moved[encoder][at] - base[encoder][at]);
+                            let away_counts = scale * (moved.counts[encoder][at] - base.counts[encoder][at]);
                             squares[encoder] += away_counts.powi(2);
                             let away = weight * away_counts / counts;
                             for (i, &left) in row.iter().enumerate() {
@@ -133,8 +155,8 @@ impl Problem<'_> {
             }
             for encoder in 0..2 {
                 let at = first + 1 + encoder;
-                matrix[(at, at)] += OFFSET_DEVIATION.powi(-2);
-                gradient[at] -= own.offsets[encoder] * OFFSET_DEVIATION.powi(-2);
+                matrix[(at, at)] += motion.offset_deviation.powi(-2);
+                gradient[at] -= own.offsets[encoder] * motion.offset_deviation.powi(-2);
             }
         }
         // A twist that no torque shows, and those of the motions that don't count.
@@ -147,7 +169,11 @@ impl Problem<'_> {
             }
         }
         for (at, parameter) in Parameter::ALL.into_iter().enumerate() {
-            let precision = parameter.prior_deviation().powi(-2);
+            if self.prior.deviation(parameter) == 0.0 {
+                matrix[(at, at)] += 1.0;
+                continue;
+            }
+            let precision = self.prior.deviation(parameter).powi(-2);
             matrix[(at, at)] += precision;
             gradient[at] -= (point.vector.get(parameter) - self.start.get(parameter)) * precision;
             // The prior is as uncertain as it states.

@@ -1,15 +1,14 @@
 //! The parameters of a drive train as the fit varies them.
 //!
 //! The load's quantities are reflected to the motor. The motor's motion then doesn't depend on the reduction ratio, which
-//! only scales what the load encoder shows. Positive quantities are varied by their logarithm, so that a step is a factor and no value leaves its range. The prior
-//! of a parameter only keeps the fit from wandering where the motion excites nothing: its standard deviation is a factor
-//! of 4 for most, and an interval is reported only where the motion itself is the source.
+//! only scales what the load encoder shows. Positive quantities are varied by their logarithm, so that a step is a factor
+//! and no value leaves its range. Errors of torque and encoders are varied as they are.
 
-use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckParameters};
+use lashloop_plant::backlash_shaft::{BacklashShaft, CoggingParameters, ShaftParameters, StribeckParameters};
 use lashloop_plant::{Mechanics, ParameterError};
 
 /// Number of parameters.
-pub(crate) const COUNT: usize = 16;
+pub(crate) const COUNT: usize = 23;
 
 /// Place of each parameter in the vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +31,16 @@ pub(crate) enum Parameter {
     DeadZone,
     ShaftDamping,
     CurrentLag,
+    /// In N m, as all of the torque's errors: not logarithms.
+    TorqueOffset,
+    /// Amplitude of the part of the cogging that goes with the cosine of the motor's angle times its count per turn.
+    CoggingCosine,
+    CoggingSine,
+    /// In rad: what an eccentric encoder shows on top, as parts of the cosine and the sine of its shaft's angle.
+    MotorCosine,
+    MotorSine,
+    LoadCosine,
+    LoadSine,
 }
 
 impl Parameter {
@@ -52,19 +61,31 @@ impl Parameter {
         Self::DeadZone,
         Self::ShaftDamping,
         Self::CurrentLag,
+        Self::TorqueOffset,
+        Self::CoggingCosine,
+        Self::CoggingSine,
+        Self::MotorCosine,
+        Self::MotorSine,
+        Self::LoadCosine,
+        Self::LoadSine,
     ];
+    /// Cosine and sine of the cogging.
+    pub(crate) const COGGING: [Self; 2] = [Self::CoggingCosine, Self::CoggingSine];
+    /// Cosine and sine of the eccentricity of motor and load encoder.
+    pub(crate) const OF_ENCODERS: [[Self; 2]; 2] =
+        [[Self::MotorCosine, Self::MotorSine], [Self::LoadCosine, Self::LoadSine]];
 
-    /// Standard deviation of the prior, in the scale of the vector.
-    pub(crate) fn prior_deviation(self) -> f64 {
-        match self {
-            Self::MotorExcess | Self::LoadExcess | Self::LoadAsymmetry => 0.3,
-            Self::MotorStribeck | Self::LoadStribeck | Self::CurrentLag => 0.7,
-            _ => 1.4,
-        }
+    /// Whether it is an error of torque or encoder, in its own unit and around 0.
+    pub(crate) fn is_error(self) -> bool {
+        self as usize >= Self::TorqueOffset as usize
+    }
+
+    fn is_logarithm(self) -> bool {
+        !self.is_error() && self != Self::LoadAsymmetry
     }
 
     fn is_logarithm_of_torque(self) -> bool {
-        !matches!(self, Self::MotorExcess | Self::LoadExcess | Self::LoadAsymmetry)
+        self.is_logarithm() && !matches!(self, Self::MotorExcess | Self::LoadExcess)
     }
 
     /// The element after a step of the linearised fit. The equations of motion are linear in inertias, stiffness and
@@ -84,6 +105,7 @@ impl Parameter {
             Self::MotorExcess | Self::LoadExcess => [0.0, 1.0],
             Self::LoadAsymmetry => [-0.7, 0.7],
             Self::MotorStribeck | Self::LoadStribeck | Self::CurrentLag => [start - 2.0, start + 2.0],
+            it if it.is_error() => [f64::NEG_INFINITY, f64::INFINITY],
             _ => [start - 4.0, start + 4.0],
         }
     }
@@ -91,14 +113,18 @@ impl Parameter {
 
 /// Values of all parameters, in the scale of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Vector(pub(crate) [f64; COUNT]);
+pub(crate) struct Vector {
+    elements: [f64; COUNT],
+    /// Periods of the cogging per turn of the motor. It isn't varied: the fit is repeated with another one.
+    pub(crate) cogging_per_turn: u32,
+}
 
 impl Vector {
     pub(crate) fn of(mechanics: &Mechanics, shaft: &ShaftParameters) -> Self {
         let ln = |value: f64, least: f64| value.max(least).ln();
         let ratio = mechanics.ratio;
         let excess = |it: &StribeckParameters| (it.stiction_nm / it.coulomb_nm.max(1e-9)).max(1.0).ln();
-        Self([
+        let known = [
             ln(mechanics.motor_inertia_kg_m2, 1e-9),
             ln(mechanics.motor_friction_nm_s_rad, 1e-7),
             ln(shaft.motor.coulomb_nm, 1e-6),
@@ -115,22 +141,24 @@ impl Vector {
             ln(mechanics.dead_zone_rad, 1e-6),
             ln(shaft.shaft_damping_nm_s_rad, 1e-7),
             ln(shaft.current_lag_s, 1e-5),
-        ])
+        ];
+        let mut elements = [0.0; COUNT];
+        elements[..known.len()].copy_from_slice(&known);
+        elements[Parameter::TorqueOffset as usize] = shaft.torque_offset_nm;
+        Self { elements, cogging_per_turn: 1 }
     }
 
     pub(crate) fn get(&self, parameter: Parameter) -> f64 {
-        self.0[parameter as usize]
+        self.elements[parameter as usize]
     }
 
     pub(crate) fn value(&self, parameter: Parameter) -> f64 {
-        match parameter {
-            Parameter::LoadAsymmetry => self.get(parameter),
-            _ => self.get(parameter).exp(),
-        }
+        let element = self.get(parameter);
+        if parameter.is_logarithm() { element.exp() } else { element }
     }
 
     pub(crate) fn set(&mut self, parameter: Parameter, value: f64) {
-        self.0[parameter as usize] = value;
+        self.elements[parameter as usize] = value;
     }
 
     /// Keeps every element within its range around a start.
@@ -171,9 +199,21 @@ impl Vector {
             load_asymmetry: self.value(Parameter::LoadAsymmetry),
             motor: stribeck(motor_nm, Parameter::MotorExcess, motor_rad_s),
             current_lag_s: self.value(Parameter::CurrentLag),
+            torque_offset_nm: self.value(Parameter::TorqueOffset),
+            cogging: CoggingParameters {
+                amplitude_nm: self.get(Parameter::CoggingCosine).hypot(self.get(Parameter::CoggingSine)),
+                per_turn: f64::from(self.cogging_per_turn),
+            },
             torque_saturation_nm: *ShaftParameters::TORQUE_SATURATION_NM.end(),
             ..ShaftParameters::paper()
         }
+    }
+
+    /// Without cogging.
+    pub(crate) fn smooth(&self) -> Self {
+        let mut smooth = *self;
+        Parameter::COGGING.into_iter().for_each(|it| smooth.set(it, 0.0));
+        smooth
     }
 
     /// The plant model with these parameters.

@@ -2,24 +2,17 @@
 
 use crate::noise::{NINE_TENTHS, Noise, QUANTISATION};
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::replay::{Motion, Prediction, Substeps};
+use crate::prior::Prior;
+use crate::replay::{Motion, OwnParameters, Prediction, Substeps};
 
 /// Parameters of one motion: twist at the start, offsets of both encoders.
 pub(crate) const OWN: usize = 3;
-/// Standard deviation of an encoder's offset within its count.
-pub(crate) const OFFSET_DEVIATION: f64 = 0.4;
 
 /// Parameters of the plant and of each motion.
 #[derive(Clone)]
 pub(crate) struct Point {
     pub(crate) vector: Vector,
     pub(crate) own: Vec<OwnParameters>,
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct OwnParameters {
-    pub(crate) twist_rad: f64,
-    pub(crate) offsets: [f64; 2],
 }
 
 /// What is fitted: motions, and the start that the prior is around.
@@ -30,6 +23,7 @@ pub(crate) struct Problem<'a> {
     /// The parameters that the fit may move.
     pub(crate) is_free: [bool; COUNT],
     pub(crate) start: Vector,
+    pub(crate) prior: Prior,
     pub(crate) substeps: Substeps,
 }
 
@@ -48,8 +42,7 @@ impl Problem<'_> {
     }
 
     pub(crate) fn predict(&self, point: &Point) -> Option<Vec<Prediction>> {
-        let predict =
-            |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
+        let predict = |&at: &usize| self.motions[at].predict(&point.vector, &point.own[at], self.substeps);
         self.used.iter().map(predict).collect()
     }
 
@@ -62,11 +55,12 @@ impl Problem<'_> {
                     sum += noise.squared(encoder, residual(motion, prediction, own, encoder, at));
                 }
             }
-            sum += own.offsets.iter().map(|it| (it / OFFSET_DEVIATION).powi(2)).sum::<f64>();
+            sum += own.offsets.iter().map(|it| (it / motion.offset_deviation).powi(2)).sum::<f64>();
         }
+        let is_open = |it: &Parameter| self.prior.deviation(*it) > 0.0;
         let prior =
-            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / it.prior_deviation()).powi(2);
-        sum + Parameter::ALL.into_iter().map(prior).sum::<f64>()
+            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / self.prior.deviation(it)).powi(2);
+        sum + Parameter::ALL.into_iter().filter(is_open).map(prior).sum::<f64>()
     }
 
     /// Root mean square of the residuals of an encoder in counts.
@@ -102,5 +96,5 @@ pub(crate) fn residual(
     encoder: usize,
     at: usize,
 ) -> f64 {
-    motion.counts[encoder][at] - prediction[encoder][at] - own.offsets[encoder]
+    motion.counts[encoder][at] - prediction.counts[encoder][at] - own.offsets[encoder]
 }

@@ -2,14 +2,14 @@
 
 use lashloop_plant::{RunningPlant, Start, TransportDelay};
 
-use crate::parameters::Vector;
+use crate::parameters::{Parameter, Vector};
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
 /// Integration steps per control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Substeps {
-    /// On the way to an estimate.
+    /// On the way to an estimate. The cogging is that at the recorded angles.
     Coarse = 2,
     /// For the estimate: the error stays far below a count.
     Fine = 4,
@@ -17,6 +17,12 @@ pub(crate) enum Substeps {
 
 /// Time in which samples of an encoder at rest still count. Later ones repeat what the first ones show.
 const REST_S: f64 = 0.02;
+
+/// Standard deviation of an encoder's offset within its count.
+const OFFSET_DEVIATION: f64 = 0.4;
+
+/// Parts of a torque between which the cogging at the recorded angles changes.
+const PARTS: u32 = 4;
 
 /// One motion, counts in their direction from the first sample on, torques as they arrive at the motor.
 pub(crate) struct Motion {
@@ -31,6 +37,14 @@ pub(crate) struct Motion {
     /// Whether a sample of an encoder counts.
     pub(crate) is_used: [Vec<bool>; 2],
     pub(crate) counts_per_rad: [f64; 2],
+    /// Counts of the motor without most of the noise.
+    smooth_counts: Vec<f64>,
+    /// Reading of both encoders at the first sample, in their direction.
+    first_counts: [f64; 2],
+    /// Amplitude of the noise of both encoders, in counts.
+    pub(crate) noise_counts: f64,
+    /// Standard deviation of an encoder's offset from its first reading, in counts.
+    pub(crate) offset_deviation: f64,
     /// Change of the motor's motion from one window to the next up to which the motor counts as steady.
     pub(crate) steady_counts: f64,
 }
@@ -45,8 +59,21 @@ pub(crate) struct Altered {
     pub(crate) scale: f64,
 }
 
-/// Counts of motor and load that a model predicts, from the first sample on.
-pub(crate) type Prediction = [Vec<f64>; 2];
+/// What is of one motion alone: the twist at its first sample, and where within their first count both encoders stood.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct OwnParameters {
+    pub(crate) twist_rad: f64,
+    pub(crate) offsets: [f64; 2],
+}
+
+/// What a model predicts of motor and load, from the first sample on.
+#[derive(Clone)]
+pub(crate) struct Prediction {
+    /// How far the shafts have turned.
+    turned_rad: [Vec<f64>; 2],
+    /// What the encoders show.
+    pub(crate) counts: [Vec<f64>; 2],
+}
 
 impl Motion {
     pub(crate) fn new(series: &Series, instruments: &Instruments, directions: [Direction; 2]) -> Self {
@@ -57,6 +84,8 @@ impl Motion {
         });
         let rest = (REST_S / series.period_s()).ceil() as usize;
         let is_used = [0, 1].map(|at| used(&counts[at], rest.max(2)));
+        let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
+        let first_counts = [0, 1].map(|at| (readings[at][0] * directions[at].sign()) as f64);
         let [low, high] =
             counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
         Self {
@@ -65,9 +94,13 @@ impl Motion {
             held: held(series, instruments.torque_delay_us, |torque_nm| torque_nm),
             altered: altered(series, instruments),
             torque_nm: series.torque_nm().to_vec(),
+            smooth_counts: smoothed(&counts[0]),
             counts,
             is_used,
-            counts_per_rad: [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()],
+            counts_per_rad,
+            noise_counts: instruments.noise_counts,
+            offset_deviation: OFFSET_DEVIATION.hypot(instruments.noise_counts),
+            first_counts,
         }
     }
 
@@ -80,10 +113,15 @@ impl Motion {
         self.counts[encoder][sample] / self.counts_per_rad[encoder]
     }
 
-    /// The counts of the plant model under the recorded torques, released at rest with a twist of `twist_rad` against
-    /// the middle of its gap. `None` if the model can't be followed.
-    pub(crate) fn predict(&self, vector: &Vector, twist_rad: f64, substeps: Substeps) -> Option<Prediction> {
-        self.predict_under(&self.held, vector, twist_rad, substeps)
+    /// The counts of the plant model under the recorded torques, released at rest with a twist against the middle of
+    /// its gap. `None` if the model can't be followed.
+    pub(crate) fn predict(
+        &self,
+        vector: &Vector,
+        own: &OwnParameters,
+        substeps: Substeps,
+    ) -> Option<Prediction> {
+        self.predict_under(&self.held, vector, own, substeps)
     }
 
     /// As [`predict`](Self::predict), under other torques.
@@ -91,22 +129,106 @@ impl Motion {
         &self,
         held: &Held,
         vector: &Vector,
-        twist_rad: f64,
+        own: &OwnParameters,
         substeps: Substeps,
     ) -> Option<Prediction> {
-        let plant = vector.plant(substeps as u32).ok()?;
-        let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, twist_rad));
-        let mut predicted = [0, 1].map(|_| Vec::with_capacity(self.samples()));
-        for held in held {
+        let turned_rad = self.turned_rad(held, vector, own, substeps)?;
+        Some(self.shown(vector, own, turned_rad))
+    }
+
+    /// The same motion, as encoders of another eccentricity show it.
+    pub(crate) fn reread(&self, prediction: &Prediction, vector: &Vector, own: &OwnParameters) -> Prediction {
+        self.shown(vector, own, prediction.turned_rad.clone())
+    }
+
+    fn turned_rad(
+        &self,
+        held: &Held,
+        vector: &Vector,
+        own: &OwnParameters,
+        substeps: Substeps,
+    ) -> Option<[Vec<f64>; 2]> {
+        let [cosine_nm, sine_nm] = Parameter::COGGING.map(|it| vector.get(it));
+        let per_turn = f64::from(vector.cogging_per_turn);
+        let at_recorded = substeps == Substeps::Coarse && (cosine_nm != 0.0 || sine_nm != 0.0);
+        let plant = if at_recorded { vector.smooth() } else { *vector };
+        // Where the plant's own cogging, a sine of the motor's angle, has this phase.
+        let motor_rad = self.first_rad(vector, own, 0) + cosine_nm.atan2(sine_nm) / per_turn;
+        let load_rad = (motor_rad - own.twist_rad) / vector.value(Parameter::Ratio);
+        let parts = if at_recorded { PARTS } else { 1 };
+        let plant = plant.plant((substeps as u32).div_ceil(parts)).ok()?;
+        let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
+        let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
+        for (at, held) in held.iter().enumerate() {
             let positions = lashloop_plant::Plant::positions(&plant);
-            predicted[0].push((positions.motor_position_rad - twist_rad) * self.counts_per_rad[0]);
-            predicted[1].push(positions.load_position_rad * self.counts_per_rad[1]);
+            turned_rad[0].push(positions.motor_position_rad - motor_rad);
+            turned_rad[1].push(positions.load_position_rad - load_rad);
+            let mut elapsed_s = 0.0;
             for &(torque_nm, held_s) in held {
-                plant.step(torque_nm, held_s).ok()?;
+                let part_s = held_s / f64::from(parts);
+                for _ in 0..parts {
+                    let mut total_nm = torque_nm;
+                    if at_recorded {
+                        let middle = (elapsed_s + 0.5 * part_s) / self.period_s;
+                        let angle_rad = per_turn * self.recorded_rad(vector, at, middle);
+                        let (sine, cosine) = angle_rad.sin_cos();
+                        total_nm += cosine_nm * cosine + sine_nm * sine;
+                    }
+                    plant.step(total_nm, part_s).ok()?;
+                    elapsed_s += part_s;
+                }
             }
         }
-        Some(predicted)
+        Some(turned_rad)
     }
+
+    /// The motor's angle by its own encoder, this part of a period after a sample. Cogging by the angle that is
+    /// recorded moves the model the right way from far away; by the model's own angle, it holds the model in the
+    /// wrong dent.
+    fn recorded_rad(&self, vector: &Vector, at: usize, part: f64) -> f64 {
+        let counts = &self.smooth_counts;
+        let next = counts[(at + 1).min(counts.len() - 1)];
+        let shown_counts = self.first_counts[0] + counts[at] + part * (next - counts[at]);
+        let shown_rad = shown_counts / self.counts_per_rad[0];
+        shown_rad - error_rad(vector, 0, shown_rad)
+    }
+
+    /// Angle of a shaft at the first sample. An eccentric encoder shows another one.
+    fn first_rad(&self, vector: &Vector, own: &OwnParameters, encoder: usize) -> f64 {
+        let shown_rad = (self.first_counts[encoder] + own.offsets[encoder]) / self.counts_per_rad[encoder];
+        // The error itself is small, so two rounds leave its third power.
+        (0..2).fold(shown_rad, |it, _| shown_rad - error_rad(vector, encoder, it))
+    }
+
+    fn shown(&self, vector: &Vector, own: &OwnParameters, turned_rad: [Vec<f64>; 2]) -> Prediction {
+        let counts = [0, 1].map(|encoder| {
+            let first_rad = self.first_rad(vector, own, encoder);
+            let first_error_rad = error_rad(vector, encoder, first_rad);
+            let shown = |&turned_rad: &f64| {
+                let error_rad = error_rad(vector, encoder, first_rad + turned_rad) - first_error_rad;
+                (turned_rad + error_rad) * self.counts_per_rad[encoder]
+            };
+            turned_rad[encoder].iter().map(shown).collect()
+        });
+        Prediction { turned_rad, counts }
+    }
+}
+
+/// What an eccentric encoder shows on top of an angle of its shaft.
+fn error_rad(vector: &Vector, encoder: usize, angle_rad: f64) -> f64 {
+    let [cosine_rad, sine_rad] = Parameter::OF_ENCODERS[encoder].map(|it| vector.get(it));
+    let (sine, cosine) = angle_rad.sin_cos();
+    cosine_rad * cosine + sine_rad * sine
+}
+
+/// Counts by the parabola of least squares through five samples.
+fn smoothed(counts: &[f64]) -> Vec<f64> {
+    const WEIGHTS: [f64; 5] = [-3.0, 12.0, 17.0, 12.0, -3.0];
+    let mut smooth = counts.to_vec();
+    for (at, window) in counts.windows(WEIGHTS.len()).enumerate() {
+        smooth[at + 2] = window.iter().zip(WEIGHTS).map(|(count, weight)| count * weight).sum::<f64>() / 35.0;
+    }
+    smooth
 }
 
 /// Torques as the motor gets them under the errors of a quantising power stage and of an uncertain delay.

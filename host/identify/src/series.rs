@@ -20,10 +20,28 @@ pub struct Instruments {
     /// Amplitude of the noise of both encoders in counts: edges jitter uniformly by up to this in either direction. 0 is none.
     #[serde(default)]
     pub noise_counts: f64,
+    /// Largest error of motor and load encoder within a turn, in rad of its shaft: an eccentric one shows up to this more or
+    /// less. 0 is exact.
+    #[serde(default = "Instruments::unstated_encoder_error_rad")]
+    pub encoder_error_rad: [f64; 2],
 }
 
 impl Instruments {
-    /// Instruments whose torque is exact.
+    /// Largest error of motor and load encoder of which nothing is stated, in rad: disks of 20 and of 60 mm in diameter that
+    /// are 0.3 mm off their axis.
+    pub const UNSTATED_ENCODER_ERROR_RAD: [f64; 2] = [0.03, 0.01];
+
+    fn unstated_encoder_error_rad() -> [f64; 2] {
+        Self::UNSTATED_ENCODER_ERROR_RAD
+    }
+
+    /// The same with encoders that may be off by this.
+    #[must_use]
+    pub fn with_encoder_error_rad(self, encoder_error_rad: [f64; 2]) -> Self {
+        Self { encoder_error_rad, ..self }
+    }
+
+    /// Instruments whose torque and encoders are exact.
     #[must_use]
     pub fn exact(motor_counts_per_rev: u32, load_counts_per_rev: u32, torque_delay_us: u32) -> Self {
         Self {
@@ -33,6 +51,7 @@ impl Instruments {
             torque_delay_deviation_us: 0,
             torque_step_nm: 0.0,
             noise_counts: 0.0,
+            encoder_error_rad: [0.0; 2],
         }
     }
 

@@ -7,8 +7,9 @@ use crate::balance::balance;
 use crate::contact::{CONTACT, Line, breakaway_nm, contact_line, ratio, twist_rad};
 use crate::motor::{distance, motor, range};
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::problem::{OwnParameters, Point, Problem};
-use crate::replay::{Motion, Substeps};
+use crate::prior::Prior;
+use crate::problem::{Point, Problem};
+use crate::replay::{Motion, OwnParameters, Substeps};
 
 /// Fraction of the longest travel of the load below which a motion is one of the motor alone.
 const STILL: f64 = 0.25;
@@ -26,8 +27,8 @@ const LOAD: [bool; COUNT] = {
 };
 
 /// Starts of a fit, the likeliest first: taken from the motions as far as they show it, and the fallback as it is.
-pub(crate) fn starts(motions: &[Motion], fallback: &Vector) -> [Point; 2] {
-    let staged = staged(motions, fallback);
+pub(crate) fn starts(motions: &[Motion], fallback: &Vector, prior: &Prior) -> [Point; 2] {
+    let staged = staged(motions, fallback, prior);
     let own = vec![OwnParameters::default(); motions.len()];
     let given = Point { vector: *fallback, own };
     let all: Vec<_> = (0..motions.len()).collect();
@@ -38,7 +39,7 @@ pub(crate) fn starts(motions: &[Motion], fallback: &Vector) -> [Point; 2] {
     }
 }
 
-fn staged(motions: &[Motion], fallback: &Vector) -> Point {
+fn staged(motions: &[Motion], fallback: &Vector, prior: &Prior) -> Point {
     let mut vector = *fallback;
     let mut own = vec![OwnParameters::default(); motions.len()];
     let breakaway_nm = breakaway_nm(motions);
@@ -63,7 +64,7 @@ fn staged(motions: &[Motion], fallback: &Vector) -> Point {
     let longest = motions.iter().map(travel).fold(0.0, f64::max);
     let is_still: Vec<bool> = motions.iter().map(|it| travel(it) < STILL * longest).collect();
     let some = |wanted: bool| (0..motions.len()).filter(|&at| is_still[at] == wanted).collect::<Vec<_>>();
-    let mut point = motor(motions, &some(true), Point { vector, own });
+    let mut point = motor(motions, &some(true), Point { vector, own }, prior);
     let moving = some(false);
     for &index in &moving {
         if let Some(twist_rad) = twist_rad(&motions[index], &point.vector, contact_nm) {
@@ -75,8 +76,14 @@ fn staged(motions: &[Motion], fallback: &Vector) -> Point {
     }
     balance(motions, &mut point.vector);
     if !moving.is_empty() {
-        let problem =
-            Problem { motions, used: moving, start: point.vector, is_free: LOAD, substeps: Substeps::Coarse };
+        let problem = Problem {
+            motions,
+            used: moving,
+            start: point.vector,
+            prior: *prior,
+            is_free: LOAD,
+            substeps: Substeps::Coarse,
+        };
         if let Some(fit) = problem.fit(point.clone(), 6) {
             point = fit.point;
         }

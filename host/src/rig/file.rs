@@ -13,7 +13,7 @@ use lashloop_bench::scenario::{ScenarioErrors, Section, settings_file};
 use lashloop_bench::settings;
 use lashloop_firmware::drive::PinParameters;
 use lashloop_firmware::law::ParameterGroup as _;
-use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
+use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_ECCENTRICITY_RAD, MIN_COUNTS_PER_REV};
 use lashloop_protocol::enums::ParameterValue;
 
 use super::way::Way;
@@ -105,6 +105,10 @@ settings! {
         pub motor_direction: Option<Direction> = choice().optional(),
         /// Sign of the load encoder.
         pub load_direction: Option<Direction> = choice().optional(),
+        /// Largest error of the motor encoder within a turn, as of a disk off its axis; `commission` alone reads it.
+        pub motor_error_rad: Option<f64> = number(0.0..=MAX_ECCENTRICITY_RAD).optional(),
+        /// The same of the load encoder.
+        pub load_error_rad: Option<f64> = number(0.0..=MAX_ECCENTRICITY_RAD).optional(),
         /// Longest pulse on a channel that is noise: 119 beside a bridge. A longer filter lowers the largest speed.
         pub filter_ns: Option<u32> = integer(0..=2666).optional(),
     }

@@ -6,16 +6,16 @@ use std::path::Path;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
-use lashloop_bench::scenario::{Scenario, ScenarioErrors};
+use lashloop_bench::scenario::{RunMode, Scenario, ScenarioErrors};
 use lashloop_identify::electrical::StageTrip;
-use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Peaks, PlannedMotion};
+use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Noisy, Peaks, PlannedMotion};
 use lashloop_identify::{Direction, Instruments};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
 use super::trip::trip;
-use crate::identify::record::{NoSeries, counts, directions_in_force, series};
+use crate::identify::record::{NoSeries, Reading, counts, directions_in_force, series};
 use lashloop::execution::{ExecutionError, OpenDrive};
 
 /// Why a motion could not be made.
@@ -28,6 +28,12 @@ pub enum MotionError {
     /// The drive or the user ended it.
     #[error("{motion}: {end}; the torque is off")]
     Ended { motion: String, end: String },
+    /// Few samples would remain: jitter would end the ramp at once.
+    #[error(
+        "{motion}: {noisy}; state it by --encoder-noise {:.0}, or find what disturbs the wires",
+        noisy.shown_counts.ceil()
+    )]
+    Noisy { motion: String, noisy: Noisy },
     #[error("{motion}: {source}")]
     Series { motion: String, source: NoSeries },
     #[error("{}: can't be written: {source}", path.display())]
@@ -83,7 +89,7 @@ impl DriveTrain for OnDevice<'_> {
         if ran.halt.is_none() && ran.end != End::Complete {
             return Err(MotionError::Ended { motion: motion.name.clone(), end: ran.end.to_string() });
         }
-        let series = series(&ran.columns, &self.instruments, ran.in_force)
+        let series = series(&ran.columns, &self.instruments, ran.mode, ran.in_force)
             .map_err(|source| MotionError::Series { motion: motion.name.clone(), source })?;
         Ok(Some(Made { series, halt: ran.halt, peaks: ran.peaks }))
     }
@@ -95,6 +101,7 @@ pub(super) struct Ran {
     pub(super) end: End,
     pub(super) halt: Option<Halt>,
     peaks: Peaks,
+    mode: RunMode,
     in_force: [Direction; 2],
 }
 
@@ -108,22 +115,24 @@ impl OnDevice<'_> {
     ) -> Result<Option<Ran>, MotionError> {
         let instruments = self.instruments;
         let (columns, in_force) = (Columns::default(), [Direction::Forward; 2]);
-        let mut watch = Watch { columns, guard, halt: None, in_force, instruments };
+        let (mode, readings) = (scenario.run.mode, Default::default());
+        let mut watch = Watch { columns, guard, halt: None, mode, readings, in_force, instruments };
         let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
         let outcome = self.drive.run(&mut scenario, vec![&mut watch], writer.as_mut())?;
         let Watch { columns, guard, halt, in_force, .. } = watch;
         // At the start of a run the drive doesn't know the speed yet, so a motor that still turns contradicts its voltage.
         let turns = guard.awaits_torque() && trip(&outcome.end) == Some(StageTrip::Sensor);
-        if halt == Some(Halt::NotAtRest) || turns {
+        let noisy = halt.and_then(|it| if let Halt::Noisy(noisy) = it { Some(noisy) } else { None });
+        if halt == Some(Halt::NotAtRest) || turns || noisy.is_some() {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);
-            return discarded
-                .map(|()| None)
-                .map_err(|error| MotionError::Record(RecordError(Box::new(error))));
+            discarded.map_err(|error| MotionError::Record(RecordError(Box::new(error))))?;
+            return noisy
+                .map_or(Ok(None), |noisy| Err(MotionError::Noisy { motion: name.to_owned(), noisy }));
         }
         let device = self.drive.device();
         let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt };
         (self.record)(record).map_err(MotionError::Record)?;
-        Ok(Some(Ran { columns, end: outcome.end, halt, peaks: guard.peaks(), in_force }))
+        Ok(Some(Ran { columns, end: outcome.end, halt, peaks: guard.peaks(), mode, in_force }))
     }
 }
 
@@ -133,6 +142,9 @@ struct Watch {
     columns: Columns,
     guard: Guard,
     halt: Option<Halt>,
+    mode: RunMode,
+    /// Of motor and load.
+    readings: [Reading; 2],
     /// Directions that the drive has in force. Guard and series count as the encoders are wired.
     in_force: [Direction; 2],
     instruments: Instruments,
@@ -152,9 +164,14 @@ impl StepObserver for Watch {
         self.columns.step(step)?;
         if self.halt.is_none() {
             let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
-            let [motor, load] = self.in_force.map(Direction::sign);
-            let motor = motor * counts(step.row.motor_position_rad, motor_counts_per_rev);
-            let load = load * counts(step.row.load_position_rad, load_counts_per_rev);
+            let sent = step.sample.filter(|_| self.mode.is_hil());
+            let sent = sent.map(|it| [it.motor_counts, it.load_counts].map(|it| i64::from(it.get())));
+            let positions = [step.row.motor_position_rad, step.row.load_position_rad];
+            let counts_per_rev = [motor_counts_per_rev, load_counts_per_rev];
+            let [motor, load] = [0, 1].map(|at| {
+                let of_position = counts(positions[at], counts_per_rev[at]);
+                self.in_force[at].sign() * self.readings[at].next(sent.map(|it| it[at]), of_position)
+            });
             self.halt = self.guard.check(motor, load);
         }
         Ok(())

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use lashloop_bench::scenario::RunMode;
 use lashloop_identify::electrical::Motor;
-use lashloop_identify::{CONFIDENCE, Direction, Estimate, Identified, Quantity};
+use lashloop_identify::{CONFIDENCE, Direction, EncoderError, Estimate, Identified, Quantity, Source};
 use lashloop_plant::backlash_shaft;
 
 /// The plant in the format of a scenario.
@@ -55,6 +55,17 @@ pub fn table(identified: &Identified) -> String {
     } else {
         "the model does not follow the record; the intervals are those of the nearest model"
     };
+    for (encoder, error) in ["motor", "load"].into_iter().zip(identified.encoder_errors) {
+        let EncoderError { stated_rad, source } = error;
+        let source = match source {
+            _ if stated_rad == 0.0 => "exact within a turn, as given",
+            Source::Fitted => "its eccentricity is fitted",
+            Source::Given => {
+                "too little of a turn to fit its eccentricity; the intervals have the given error"
+            }
+        };
+        let _ = writeln!(text, "{encoder} encoder: {source} (up to {stated_rad} rad given)");
+    }
     let _ = writeln!(text, "\nresiduals: {motor:.2} counts of the motor, {load:.2} of the load: {followed}");
     text
 }
@@ -125,7 +136,15 @@ pub fn plant_toml(identified: &Identified) -> String {
         };
     }
     let _ = writeln!(text, "{:<44} # given, not estimated", format!("torque_delay_us = {torque_delay_us}"));
-    text + &encoders(identified, "\n[encoders]\n")
+    text += &encoders(identified, "\n[encoders]\n");
+    for name in ["motor_eccentricity_rad", "load_eccentricity_rad"] {
+        let Some(it) = identified.quantity(name).and_then(|it| it.estimate).filter(|it| it.low > 0.0) else {
+            continue;
+        };
+        let [value, low, high] = [it.value, it.low, it.high].map(|value| digits(&it, value));
+        let _ = writeln!(text, "{:<44} # {low} to {high} rad", format!("{name} = {value}"));
+    }
+    text
 }
 
 fn encoders(identified: &Identified, heading: &str) -> String {

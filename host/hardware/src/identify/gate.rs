@@ -25,6 +25,9 @@ use serde::Deserialize;
 use self::model::Model;
 use super::power_stage::{TORQUE_DELAY_US, instruments};
 
+/// Keys whose interval may reach to their least value.
+const LEAST: [(&str, f64); 2] = [("cogging_nm", 0.0), ("cogging_per_turn", 1.0)];
+
 /// What the plant may differ by from its model: the part of `estimates.json` that the gate reads.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(expecting = "the estimates of a plant")]
@@ -105,7 +108,10 @@ pub fn check(
         let Some(Interval { value: middle, low, high }) = estimate else { continue };
         let found = scenario.plant.values.iter().find(|(name, _)| name == key);
         let Some((name, PlantValue::Number(value))) = found else { continue };
-        let ends = [value - (middle - low), value + (high - middle)];
+        let mut ends = [value - (middle - low), value + (high - middle)];
+        if let Some((_, least)) = LEAST.into_iter().find(|(key, _)| **key == *name) {
+            ends = ends.map(|end| end.max(least));
+        }
         model.vary(name, ends.map(PlantValue::Number))?;
     }
     let period_s = scenario.run.control_period_s();

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::stated::Stated;
-use crate::identified::{Estimate, Quantity};
+use crate::quantity::{Estimate, Quantity};
 
 /// Standard deviations on each side of an interval of 95 %: the quantisation of the encoder isn't normally distributed.
 const DEVIATIONS: f64 = 2.5;

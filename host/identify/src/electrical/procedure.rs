@@ -4,7 +4,7 @@ use super::balance::{Motor, Steps, half_width, motor};
 use super::motions::{self, HeldCurrents};
 use super::stated::Stated;
 use crate::excitation::{Guard, Halt, Limits};
-use crate::identified::Estimate;
+use crate::quantity::Estimate;
 use crate::series::Instruments;
 
 /// Part of the confirmed limits at which a motion halts. What it has shown until then counts.

@@ -47,6 +47,30 @@ pub enum Halt {
     Exceeded(Exceeded),
     /// The drive train still moves from the motion before.
     NotAtRest,
+    /// An encoder jitters at rest by more than was stated.
+    Noisy(Noisy),
+}
+
+/// Jitter of an encoder at rest beyond the noise that was stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noisy {
+    /// `motor` or `load`.
+    pub encoder: &'static str,
+    /// Amplitude of a uniform noise that jitters as much, in counts.
+    pub shown_counts: f64,
+    /// The amplitude that was stated.
+    pub stated_counts: f64,
+}
+
+impl fmt::Display for Noisy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { encoder, shown_counts, stated_counts } = self;
+        write!(
+            out,
+            "the {encoder} encoder jitters by {shown_counts:.1} counts in either direction at rest, and a noise of \
+             {stated_counts} counts is stated"
+        )
+    }
 }
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
@@ -60,6 +84,12 @@ const REST_STATED_NOISE: f64 = 0.9;
 /// Largest change from the first half of the time to the second, in standard deviations of what the stated noise makes of it.
 /// An encoder at rest exceeds it now and then, and the motion is repeated.
 const REST_CHANGE: f64 = 0.5;
+
+/// Largest jitter from sample to sample, in counts, of an encoder with less than a count of noise: at an edge it jumps by a
+/// count, a standard deviation of 0.5, and 50 samples show that within a third.
+const EDGE_COUNTS: f64 = 0.75;
+/// Jitter over that of the stated noise from which the noise counts as unstated.
+const UNSTATED: f64 = 1.5;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -84,26 +114,50 @@ pub struct Guard {
 #[derive(Debug, Clone)]
 struct Rest {
     samples: usize,
-    is_noisy: bool,
+    noise_counts: f64,
     counts: [Vec<f64>; 2],
 }
 
 impl Rest {
-    fn new(period_s: f64, is_noisy: bool) -> Self {
+    fn new(period_s: f64, noise_counts: f64) -> Self {
         let samples = ((REST_S / period_s).floor() as usize).max(3);
-        Self { samples, is_noisy, counts: Default::default() }
+        Self { samples, noise_counts, counts: Default::default() }
     }
 
-    /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
-    fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
+    /// Takes the counts of a sample. Why the motion can't begin; `Some(None)` at rest, `None` as long as the time lasts.
+    fn check(&mut self, counts: [i64; 2]) -> Option<Option<Halt>> {
         if self.counts[0].len() < self.samples {
             for (all, now) in self.counts.iter_mut().zip(counts) {
                 all.push(now as f64);
             }
         }
-        (self.counts[0].len() == self.samples)
-            .then(|| self.counts.iter().all(|counts| is_still(counts, self.is_noisy)))
+        (self.counts[0].len() == self.samples).then(|| self.judge())
     }
+
+    fn judge(&self) -> Option<Halt> {
+        let is_noisy = self.noise_counts > 0.0;
+        if !self.counts.iter().all(|counts| is_still(counts, is_noisy)) {
+            return Some(Halt::NotAtRest);
+        }
+        let explained = EDGE_COUNTS.hypot(UNSTATED * self.noise_counts / 3.0_f64.sqrt());
+        ["motor", "load"].into_iter().zip(&self.counts).find_map(|(encoder, counts)| {
+            let jitter = jitter_of_edges(counts);
+            let (shown_counts, stated_counts) = (jitter * 3.0_f64.sqrt(), self.noise_counts);
+            (jitter > explained).then_some(Halt::Noisy(Noisy { encoder, shown_counts, stated_counts }))
+        })
+    }
+}
+
+/// Standard deviation of the noise of the counts, from sample to sample.
+fn jitter(counts: &[f64]) -> f64 {
+    let squares = counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
+    (squares / (2.0 * (counts.len() as f64 - 1.0))).sqrt()
+}
+
+/// The same from second differences, to which a motion adds next to nothing.
+fn jitter_of_edges(counts: &[f64]) -> f64 {
+    let squares = counts.windows(3).map(|it| (it[2] - 2.0 * it[1] + it[0]).powi(2)).sum::<f64>();
+    (squares / (6.0 * (counts.len() as f64 - 2.0))).sqrt()
 }
 
 /// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.
@@ -111,16 +165,15 @@ fn is_still(counts: &[f64], is_noisy: bool) -> bool {
     let average = |counts: &[f64]| counts.iter().sum::<f64>() / counts.len() as f64;
     let (number, mean) = (counts.len() as f64, average(counts));
     let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
-    let noise =
-        counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
+    let noise = jitter(counts);
     if !is_noisy {
-        return variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt();
+        return variance.sqrt() <= REST_COUNTS + REST_NOISE * noise;
     }
     let (first, second) = counts.split_at(counts.len() / 2);
     let change = (average(second) - average(first)).abs();
     // The difference of two halves has 4 / n of the variance.
-    variance.sqrt() <= REST_COUNTS + REST_STATED_NOISE * noise.sqrt()
-        && change <= REST_COUNTS.max(REST_CHANGE * 2.0 * (noise / number).sqrt())
+    variance.sqrt() <= REST_COUNTS + REST_STATED_NOISE * noise
+        && change <= REST_COUNTS.max(REST_CHANGE * 2.0 * noise / number.sqrt())
 }
 
 /// Largest values of a motion so far.
@@ -146,7 +199,7 @@ impl Guard {
     ) -> Self {
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let (recent, first_load) = (VecDeque::new(), None);
-        let (rest, peaks) = (Some(Rest::new(period_s, instruments.noise_counts > 0.0)), Peaks::default());
+        let (rest, peaks) = (Some(Rest::new(period_s, instruments.noise_counts)), Peaks::default());
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 
@@ -201,10 +254,12 @@ impl Guard {
         if let Some((quantity, value, limit, unit)) = exceeded {
             return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
         }
-        match self.rest.as_mut().map_or(Some(true), |rest| rest.check([motor_counts, load_counts])) {
-            None => return None,
-            Some(false) => return Some(Halt::NotAtRest),
-            Some(true) => {}
+        if let Some(rest) = &mut self.rest {
+            match rest.check([motor_counts, load_counts]) {
+                None => return None,
+                Some(halt @ Some(_)) => return halt,
+                Some(None) => {}
+            }
         }
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
@@ -220,5 +275,38 @@ impl Guard {
     #[must_use]
     pub fn peaks(&self) -> Peaks {
         self.peaks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The halt of an encoder at rest whose counts jump by these, one after the other.
+    fn halt(jumps: [i64; 5], stated_counts: f64) -> Option<Halt> {
+        let mut instruments = Instruments::exact(4000, 4000, 0);
+        instruments.noise_counts = stated_counts;
+        let limits = Limits {
+            torque_nm: 1.0,
+            motor_speed_rad_s: 100.0,
+            load_speed_rad_s: 100.0,
+            load_travel_rad: 1.0,
+        };
+        let mut guard = Guard::new(limits, &instruments, 1e-3, None, None);
+        (0..50).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
+    }
+
+    #[test]
+    fn unstated_noise_is_named_with_its_size_and_stated_noise_is_not() {
+        let Some(Halt::Noisy(noisy)) = halt([2, -1, 1, -2, 0], 0.0) else { panic!("noise of 2 counts") };
+        assert_eq!((noisy.encoder, noisy.stated_counts), ("load", 0.0));
+        assert!((1.5..4.0).contains(&noisy.shown_counts), "{noisy}");
+        assert_eq!(halt([2, -1, 1, -2, 0], 2.0), None);
+    }
+
+    #[test]
+    fn an_encoder_at_an_edge_is_not_noisy() {
+        assert_eq!(halt([0, 1, 1, 0, 0], 0.0), None);
+        assert_eq!(halt([0; 5], 0.0), None);
     }
 }

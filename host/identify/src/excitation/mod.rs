@@ -15,6 +15,6 @@ mod motions;
 mod procedure;
 
 pub(crate) use limits::REST_S;
-pub use limits::{Exceeded, Guard, Halt, Limits, Peaks};
+pub use limits::{Exceeded, Guard, Halt, Limits, Noisy, Peaks};
 pub use motions::{Breakaway, PlannedMotion};
 pub use procedure::{Commissioned, CommissioningError, DriveTrain, Made, commission};

@@ -51,7 +51,9 @@ impl<'a> Model<'a> {
         instruments: &Instruments,
         count_rad: [f64; 2],
     ) -> Result<(), RunError> {
-        let Instruments { torque_delay_us, torque_delay_deviation_us, torque_step_nm, .. } = *instruments;
+        let Instruments {
+            torque_delay_us, torque_delay_deviation_us, torque_step_nm, encoder_error_rad, ..
+        } = *instruments;
         let delay = |us: u32| PlantValue::Integer(us.into());
         let late_us = DEVIATIONS * torque_delay_deviation_us;
         let ends_us = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
@@ -73,6 +75,14 @@ impl<'a> Model<'a> {
         // A displacement is of two readings, each off by up to a count: in all (2 q)^2.
         for square in &mut self.squares {
             *square = [0, 1].map(|encoder| square[encoder] + 3.0 * count_rad[encoder].powi(2));
+        }
+        // An eccentric encoder shows a displacement wrong by up to its error for each rad, and by up to two of them.
+        let first = self.recorded.positions_rad.first().copied().unwrap_or_default();
+        for (square, positions) in self.squares.iter_mut().zip(&self.recorded.positions_rad) {
+            for encoder in 0..2 {
+                let moved_rad = (positions[encoder] - first[encoder]).abs();
+                square[encoder] += (encoder_error_rad[encoder] * moved_rad.min(2.0)).powi(2);
+            }
         }
         self.vary(TORQUE_DELAY_US, ends_us.map(delay))?;
         if torque_step_nm > 0.0 {

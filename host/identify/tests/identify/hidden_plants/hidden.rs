@@ -5,7 +5,7 @@
 
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
 use lashloop_identify::{Instruments, Series, SeriesError};
-use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::backlash_shaft::{BacklashShaft, CoggingParameters, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
@@ -27,7 +27,27 @@ pub struct HiddenPlant {
     pub start: Start,
     /// The plant in its present state, from the first motion on.
     present: Option<Present>,
-    noise_counts: f64,
+    /// What torque and encoders are off by.
+    pub errors: Errors,
+    /// What a commissioning gets of the encoders, of motor and load.
+    encoder_error_rad: [f64; 2],
+}
+
+/// What torque and encoders of a plant are off by. All phases are 0 at the zero of the encoders.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Errors {
+    /// Offset of the torque at the motor.
+    pub offset_nm: f64,
+    /// Amplitude of the cogging.
+    pub cogging_nm: f64,
+    /// Its periods per turn of the motor.
+    pub per_turn: u32,
+    /// Of the encoders of motor and load.
+    pub eccentricity_rad: [f64; 2],
+    /// Angle of the load by which the drive train is turned at the start.
+    pub turned_rad: f64,
+    /// Edges of both encoders jitter uniformly by up to this in either direction.
+    pub noise_counts: f64,
 }
 
 struct Present {
@@ -70,23 +90,39 @@ impl HiddenPlant {
         let load_rad = within(-1.0, 1.0);
         let twist_rad = within(-0.9, 0.9) * mechanics.dead_zone_rad;
         let start = Start::at_rest(load_rad, mechanics.ratio * load_rad + twist_rad);
-        Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0 }
+        Self {
+            mechanics,
+            shaft,
+            counts_per_rev,
+            signs,
+            start,
+            present: None,
+            errors: Errors::default(),
+            encoder_error_rad: [0.0; 2],
+        }
     }
 
     /// The same plant with encoders whose edges jitter uniformly by up to this in either direction.
     pub fn with_noise(self, noise_counts: f64) -> Self {
-        Self { noise_counts, ..self }
+        Self { errors: Errors { noise_counts, ..self.errors }, ..self }
+    }
+
+    /// The same plant with these errors, and with encoders that are stated to be off by this.
+    pub fn with_errors(self, errors: Errors, encoder_error_rad: [f64; 2]) -> Self {
+        Self { errors, encoder_error_rad, ..self }
     }
 
     /// What a commissioning gets of it.
     pub fn instruments(&self) -> Instruments {
         let [motor, load] = self.counts_per_rev;
-        Instruments { noise_counts: self.noise_counts, ..Instruments::exact(motor, load, DELAY_US) }
+        let exact = Instruments::exact(motor, load, DELAY_US).with_encoder_error_rad(self.encoder_error_rad);
+        Instruments { noise_counts: self.errors.noise_counts, ..exact }
     }
 
     /// The true value of a quantity by its name.
     pub fn truth(&self, name: &str) -> f64 {
-        let Self { mechanics, shaft, .. } = self;
+        let Self { mechanics, shaft, errors, .. } = self;
+        let [motor_rad, load_rad] = errors.eccentricity_rad;
         let asymmetry = shaft.load_asymmetry;
         match name {
             "reduction_ratio" => mechanics.ratio,
@@ -113,18 +149,37 @@ impl HiddenPlant {
             "inertia_at_motor_kg_m2" => {
                 mechanics.motor_inertia_kg_m2 + mechanics.load_inertia_kg_m2 / mechanics.ratio.powi(2)
             }
+            "torque_offset_nm" => errors.offset_nm,
+            "cogging_nm" => errors.cogging_nm,
+            "cogging_per_turn" => f64::from(errors.per_turn),
+            // A law takes away the offset alone.
+            "torque_uncertainty_nm" => errors.cogging_nm / 2.0_f64.sqrt(),
+            "motor_eccentricity_rad" => motor_rad,
+            "load_eccentricity_rad" => load_rad,
+            "cogging_phase_rad" | "motor_eccentricity_phase_rad" | "load_eccentricity_phase_rad" => 0.0,
             other => panic!("no truth for {other}"),
         }
     }
 
     fn release(&self) -> Present {
-        let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
-        let mut seeds = 1..;
-        let encoders = self.counts_per_rev.map(|counts_per_rev| {
-            let seed = seeds.next().unwrap_or_default();
-            Encoder::new(counts_per_rev, self.noise_counts, seed).expect("an encoder in its ranges")
+        let Errors { offset_nm, cogging_nm, per_turn, eccentricity_rad, turned_rad, .. } = self.errors;
+        let shaft = ShaftParameters {
+            torque_offset_nm: offset_nm,
+            cogging: CoggingParameters { amplitude_nm: cogging_nm, per_turn: f64::from(per_turn.max(1)) },
+            ..self.shaft
+        };
+        let plant = BacklashShaft::new(self.mechanics, shaft, SUBSTEPS).expect("a plant in its ranges");
+        let encoders = [0, 1].map(|at| {
+            let encoder = Encoder::new(self.counts_per_rev[at], self.errors.noise_counts, 1 + at as u64);
+            let encoder = encoder.and_then(|it| it.with_eccentricity(eccentricity_rad[at]));
+            encoder.expect("an encoder in its ranges")
         });
-        Present { plant: RunningPlant::released(plant, self.start), encoders }
+        let start = Start {
+            load_position_rad: self.start.load_position_rad + turned_rad,
+            motor_position_rad: self.start.motor_position_rad + self.mechanics.ratio * turned_rad,
+            ..self.start
+        };
+        Present { plant: RunningPlant::released(plant, start), encoders }
     }
 }
 

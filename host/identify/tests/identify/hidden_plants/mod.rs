@@ -3,5 +3,5 @@
 mod hidden;
 mod tally;
 
-pub use hidden::HiddenPlant;
+pub use hidden::{Errors, HiddenPlant};
 pub use tally::{Coverage, Shown};

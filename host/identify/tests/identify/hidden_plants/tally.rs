@@ -30,17 +30,28 @@ struct Tally {
 pub struct Coverage {
     plants: usize,
     followed: usize,
+    refused: usize,
     tallies: BTreeMap<String, Tally>,
 }
 
-/// Whose truth may be 0: its half width is not divided by it.
-const FRACTION: &str = "load_friction_asymmetry";
+/// Whose truth may be 0 or near it: the half width is not divided by it.
+const ABSOLUTE: [&str; 4] = [
+    "load_friction_asymmetry",
+    "cogging_phase_rad",
+    "motor_eccentricity_phase_rad",
+    "load_eccentricity_phase_rad",
+];
 
 impl Coverage {
     /// Takes a plant. `is_followed` is whether the model follows its motions to the quantisation.
     pub fn plant(&mut self, is_followed: bool) {
         self.plants += 1;
         self.followed += usize::from(is_followed);
+    }
+
+    /// Takes a plant whose commissioning has no estimates.
+    pub fn refused(&mut self) {
+        self.refused += 1;
     }
 
     /// Takes a quantity of that plant; `None` if the motions don't show it.
@@ -50,7 +61,7 @@ impl Coverage {
         tally.observed += 1;
         tally.covered += usize::from((low..=high).contains(&truth));
         let half = 0.5 * (high - low);
-        tally.widths.push(if name == FRACTION { half } else { half / truth });
+        tally.widths.push(if ABSOLUTE.contains(&name) || truth == 0.0 { half } else { half / truth });
         let away = (truth - 0.5 * (low + high)).abs() / half;
         if away > 1.0 {
             tally.outside.push((seed, away));
@@ -91,9 +102,9 @@ impl fmt::Display for Coverage {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             out,
-            "{} hidden plants, {} followed to the quantisation: truth within the 95 % interval, median half width; truths \
+            "{} hidden plants, {} followed to the quantisation, {} refused: truth within the 95 % interval, median half width; truths \
              outside as plant:half widths",
-            self.plants, self.followed
+            self.plants, self.followed, self.refused
         )?;
         for (name, Tally { observed, covered, widths, outside }) in &self.tallies {
             let mut widths = widths.clone();
