@@ -9,7 +9,8 @@ use lashloop_identify::excitation::{CommissioningError, Limits, commission};
 use lashloop_identify::{Direction, Source, Start};
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng as _, uniform};
 
-use crate::hidden_plants::{Coverage, Errors, HiddenPlant, Shown};
+use crate::hidden_plants::hidden::Errors;
+use crate::hidden_plants::{Coverage, HiddenPlant, Shown};
 
 /// The constants of the estimator were chosen on seeds 0 to 149, the width of the intervals with them.
 const SEEDS: Range<u64> = 5000..5020;

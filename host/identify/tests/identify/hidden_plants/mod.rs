@@ -1,7 +1,7 @@
 //! How often the intervals contain the truth: hidden plants drawn at random, and the count over them.
 
-mod hidden;
+pub mod hidden;
 mod tally;
 
-pub use hidden::{Errors, HiddenPlant};
+pub use hidden::HiddenPlant;
 pub use tally::{Coverage, Shown};
