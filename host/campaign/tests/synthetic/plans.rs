@@ -111,7 +111,7 @@ fn the_minimum_settling_time_is_that_of_the_case_s_own_plant() {
     for without in [
         "\"plant.load_torque.torque_nm=1\"",
         "\"plant.initial.load_velocity_rad_s=1\"",
-        "\"reference={ profile='step', before_rad=0, after_rad=1, at_s=1 }\"",
+        "'meant=\"start\"', \"reference={ profile='step', before_rad=0, after_rad=1, at_s=1 }\"",
     ] {
         assert_eq!(minimum_s(without), None, "{without}");
     }
