@@ -73,10 +73,11 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
 }
 
 #[test]
-fn harder_battery_runs_every_part_and_measures_without_limits() {
+fn harder_battery_runs_every_part_and_meets_its_limits() {
     let records = Records::new();
     let ended = run(&records, "--hard --plants 1 --controller braking-curve").with_code(0);
-    assert!(ended.stdout.ends_with("no limits: none of these laws has any\n"), "{}", ended.stdout);
+    assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+    assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 18, "{}", ended.stdout);
     let rows = rows(&records);
     // Five parts with random plants, and 69 values of 17 sweeps.
     assert_eq!(rows.len(), 5 + 69);
