@@ -1,6 +1,6 @@
 //! The criteria of the battery's tables: a metric or a derived column with name, unit and digits.
 
-use lashloop_campaign::cell::{Cell, Missing};
+use lashloop_campaign::cell::Cell;
 
 use super::campaign::Battery;
 
@@ -31,14 +31,13 @@ const MRAD: (&str, f64, usize) = ("mrad", 1e3, 2);
 const PERCENT: (&str, f64, usize) = ("%", 1e2, 1);
 
 /// Of the standard battery, in the order of the tables.
-const STANDARD: [Criterion; 10] = [
+const STANDARD: [Criterion; 9] = [
     criterion("settle_time_s", "settle time", ("s", 1.0, 2), true),
     criterion("overshoot_rad", "overshoot", MRAD, true),
     criterion("static_error_rad", "static error", MRAD, true),
     criterion("static_error_bands", "static error", ("bands", 1.0, 2), false),
     criterion("hunting_rad", "hunting", MRAD, true),
     criterion("dead_zone_error_rad", "|j_hat - j0|", MRAD, true),
-    criterion("learnt_dead_zone_error_rad", "learnt |j_hat - j0|", MRAD, false),
     criterion("dead_zone_deviation_rad", "sigma(j_hat)", MRAD, true),
     criterion("effort_nm2s", "effort", ("N^2 m^2 s", 1.0, 0), true),
     criterion("torque_total_variation_nm", "variation", ("N m", 1.0, 0), true),
@@ -87,8 +86,6 @@ impl Criterion {
     pub fn cell(&self, cell: Cell) -> String {
         match cell.magnitude() {
             Cell::Value(magnitude) => self.show(magnitude),
-            // The only condition of a column is a learnt gap.
-            Cell::Missing(Missing::Omitted) => "not learnt".to_owned(),
             Cell::Missing(reason) => reason.to_string(),
         }
     }

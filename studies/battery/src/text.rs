@@ -130,9 +130,12 @@ impl fmt::Display for Tables {
         if expectations.is_empty() {
             return write!(out, "\nno limits: none of these laws has any");
         }
-        for mine in expectations.chunk_by(|one, next| one.variant == next.variant) {
+        for mine in
+            expectations.chunk_by(|one, next| (&one.variant, &one.part) == (&next.variant, &next.part))
+        {
             let law = mine[0].variant.as_deref().unwrap_or("all laws");
-            writeln!(out, "\nlimits of {law} on the random plants")?;
+            let part = mine[0].part.as_deref().filter(|part| *part != RANDOM_PLANTS);
+            writeln!(out, "\nlimits of {law} on {}", part.unwrap_or("the random plants"))?;
             mine.iter().try_for_each(|judged| writeln!(out, "{}", limit(judged)))?;
         }
         write!(out, "{verdict}")

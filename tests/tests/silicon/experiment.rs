@@ -108,6 +108,8 @@ pub(crate) fn at_a_bridge() {
     let mut arguments = ["paper", "experiment", "--bridge", "--after", "controller.name=braking-curve"]
         .map(str::to_owned)
         .to_vec();
+    // The law winds the shaft by up to 0.95 of the torque limit of 25 N m.
+    arguments.extend(["--after", "bench.twist_limit_rad=26"].map(str::to_owned));
     for setting in [
         format!("encoders.motor_counts_per_rev={COUNTS_PER_REV}"),
         format!("encoders.load_counts_per_rev={COUNTS_PER_REV}"),

@@ -26,7 +26,7 @@ use lashloop::Bench;
 ///
 /// With --hard, motors, encoders and loads are real: offset, cogging and back-EMF of the torque, noise and eccentricity,
 /// other loads and ratios, a load of two masses, LuGre friction, moves to and fro. That campaign is
-/// campaigns/battery-hard.toml; it has no limits.
+/// campaigns/battery-hard.toml; only braking-curve has limits there.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Run the harder campaign
