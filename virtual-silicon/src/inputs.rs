@@ -15,12 +15,16 @@ const MODER: u64 = 0x00;
 const PUPDR: u64 = 0x0c;
 const IDR: u64 = 0x10;
 const AFRL: u64 = 0x20;
+/// From the first port on: the ports and the block that can reset them, RCC, in both families.
+const PORTS_AND_CLOCKS: u64 = 0x4800;
 
 /// What the timers have been given.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Inputs {
     inputs: [Input; Wiring::INPUTS],
-    /// Whether the image has written nothing since.
+    /// Whether the outputs of TIM1 are connected to their pins: those of channels 1 and 2.
+    outputs: [bool; 2],
+    /// Whether the image has written nothing to the ports since.
     is_settled: bool,
 }
 
@@ -33,9 +37,15 @@ struct Input {
 }
 
 impl Inputs {
-    /// The image has written to a register: it may have connected a pin, or changed its resistor.
-    pub(crate) fn note_write(&mut self) {
-        self.is_settled = false;
+    /// The image has written to a register: to one of a port, it may have connected a pin, or changed its resistor.
+    pub(crate) fn note_write(&mut self, ports: u64, address: u64) {
+        self.is_settled &= address.wrapping_sub(ports) >= PORTS_AND_CLOCKS;
+    }
+
+    /// Whether the outputs of channels 1 and 2 of TIM1 are connected to their pins.
+    pub(crate) fn outputs(&mut self, chip: &mut Chip, wiring: &Wiring, at: VirtualNanos) -> [bool; 2] {
+        self.settle(chip, wiring, at);
+        self.outputs
     }
 
     /// Gives the timers the levels of their pins at an instant, if the image may have changed them.
@@ -47,6 +57,7 @@ impl Inputs {
             input.is_connected = is_connected(chip, pin);
             input.follow(chip, (pin, timer), at);
         }
+        self.outputs = wiring.bridge.outputs.map(|pin| is_connected(chip, pin));
     }
 
     /// Gives a timer the level of a pin that the board drives.

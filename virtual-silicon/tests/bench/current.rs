@@ -20,18 +20,18 @@ use crate::turntable::{self, Speeds};
 /// Largest torque of the tests, N m.
 const LIMIT_NM: f32 = 5.0;
 /// Voltage of the bus at the end of its converter.
-const BUS_RANGE_V: f32 = 60.0;
+pub const BUS_RANGE_V: f32 = 60.0;
 /// Names by their places in the lists of the drive.
 const BY_CURRENT: u32 = 2;
 const COMPLEMENTARY: u32 = 5;
 
 /// The motor of the tests, with the dead time of the board.
-fn motor() -> ElectricalParameters {
+pub fn motor() -> ElectricalParameters {
     ElectricalParameters { dead_time_s: 5e-7, ..ElectricalParameters::example() }
 }
 
 /// What a drive has to know of its motor, and a limit of the torque.
-fn settings(motor: &ElectricalParameters) -> Vec<(&'static str, ParameterValue)> {
+pub fn settings(motor: &ElectricalParameters) -> Vec<(&'static str, ParameterValue)> {
     let numbers = [
         ("motor_resistance_ohm", motor.resistance_ohm as f32),
         ("motor_inductance_h", motor.inductance_h as f32),

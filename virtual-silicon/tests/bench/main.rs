@@ -17,6 +17,7 @@ mod machine;
 mod mutants;
 mod off;
 mod report;
+mod speed;
 mod store;
 mod tick;
 mod time_to_off;
