@@ -55,29 +55,33 @@ impl Inputs {
         }
         for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
             input.is_connected = is_connected(chip, pin);
-            input.follow(chip, (pin, timer), at);
+            let level = Level::from(is_high(chip, pin));
+            input.take(level, chip, timer, at);
         }
         self.outputs = wiring.bridge.outputs.map(|pin| is_connected(chip, pin));
     }
 
-    /// Gives a timer the level of a pin that the board drives.
-    pub(crate) fn follow(&mut self, chip: &mut Chip, wiring: &Wiring, driven: Pin, at: VirtualNanos) {
+    /// Gives a timer the level to which the board drives its pin; `None` for a pin that it has released.
+    pub(crate) fn follow(
+        &mut self,
+        chip: &mut Chip,
+        wiring: &Wiring,
+        (driven, level): (Pin, Option<Level>),
+        at: VirtualNanos,
+    ) {
         self.settle(chip, wiring, at);
         for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
             if pin == driven {
-                input.follow(chip, (pin, timer), at);
+                let level = level.unwrap_or_else(|| Level::from(is_high(chip, pin)));
+                input.take(level, chip, timer, at);
             }
         }
     }
 }
 
 impl Input {
-    fn follow(&mut self, chip: &mut Chip, (pin, timer): (Pin, TimerInput), at: VirtualNanos) {
-        if !self.is_connected {
-            return;
-        }
-        let level = Level::from(is_high(chip, pin));
-        if self.level.replace(level) == Some(level) {
+    fn take(&mut self, level: Level, chip: &mut Chip, timer: TimerInput, at: VirtualNanos) {
+        if !self.is_connected || self.level.replace(level) == Some(level) {
             return;
         }
         match timer {

@@ -333,7 +333,7 @@ impl<'a> Pins<'a> {
         let chip = self.session.board_mut();
         let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
         chip.part.drive_pin(self.at, pin, level);
-        self.inputs.follow(chip, self.wiring, pin, self.at);
+        self.inputs.follow(chip, self.wiring, (pin, level), self.at);
     }
 }
 

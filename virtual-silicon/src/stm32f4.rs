@@ -36,8 +36,7 @@ const REGISTERS: Registers = Registers {
 };
 
 /// Instances of the serial ports, in the order of the models.
-const SERIAL_PORTS: [&str; 8] =
-    ["USART1", "USART2", "USART3", "UART4", "UART5", "USART6", "UART7", "UART8"];
+const SERIAL_PORTS: [&str; 8] = ["USART1", "USART2", "USART3", "UART4", "UART5", "USART6", "UART7", "UART8"];
 
 /// The part.
 #[derive(Debug)]

@@ -63,7 +63,11 @@ fn a_second_with_a_current_loop_at_10_khz_takes_half_a_second_of_a_core() {
     let mut host = Host::of(Bench::plain(&image(), train, speeds));
     host.set_all(&settings(&motor));
     let limits = [("motor_speed_limit_rad_s", 1_500.0), ("load_speed_limit_rad_s", 1_500.0)];
-    for (name, value) in limits.into_iter().chain([("twist_limit_rad", 1e5), ("torque_limit_nm", 1e-3), ("missing_torque_time_s", 1e3)]) {
+    for (name, value) in limits.into_iter().chain([
+        ("twist_limit_rad", 1e5),
+        ("torque_limit_nm", 1e-3),
+        ("missing_torque_time_s", 1e3),
+    ]) {
         assert_eq!(host.set(name, ParameterValue::F32(value)), Outcome::Accepted, "{name}");
     }
     // What runs for the first time is translated.
