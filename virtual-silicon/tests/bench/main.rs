@@ -9,6 +9,7 @@ mod current;
 mod docs;
 mod duty;
 mod encoders;
+mod every_row;
 mod failures;
 mod host;
 mod line;
