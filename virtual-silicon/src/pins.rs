@@ -113,6 +113,13 @@ impl<'a> Pins<'a> {
         self.drive_pin(self.wiring.encoder(encoder).pin(channel), Some(is_high));
     }
 
+    /// Drives the index of an encoder. A board may have no input for it.
+    pub fn drive_index(&mut self, encoder: Encoder, is_high: bool) {
+        if let Some(index) = self.wiring.encoder(encoder).index {
+            self.drive_pin(index.pin, Some(is_high));
+        }
+    }
+
     /// Cuts the wire of one channel of an encoder.
     pub fn open_encoder(&mut self, encoder: Encoder, channel: Channel) {
         self.drive_pin(self.wiring.encoder(encoder).pin(channel), None);

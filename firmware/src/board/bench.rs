@@ -12,7 +12,9 @@ use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
 use super::pac::Interrupt;
-use super::parts::{BridgeSensor as _, ContactInputs as _, PeriodTimer as _, StageLines as _};
+use super::parts::{
+    BridgeSensor as _, ContactInputs as _, EncoderInput as _, PeriodTimer as _, StageLines as _,
+};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::actuator::Actuator;
@@ -31,6 +33,7 @@ pub(super) const HARDWARE: PinHardware = PinHardware {
     stage_modes: <Fitted as Chip>::StageLines::MODES,
     longest_period_us: u32::MAX,
     measures_current: <Fitted as Chip>::Sensor::EXISTS,
+    has_index: [<Fitted as Chip>::MotorEncoder::HAS_INDEX, <Fitted as Chip>::LoadEncoder::HAS_INDEX],
 };
 
 /// The tick and the encoders, for the task of TIM5.

@@ -46,10 +46,12 @@ impl<I: EncoderInput> Encoder<I> {
     }
 
     pub(super) fn read(&mut self) -> EncoderReading {
+        let index = self.input.take_index();
         let counter = self.input.count();
         let levels = self.input.levels();
         cortex_m::asm::delay(self.pin_to_count_cycles);
         let levels_after = self.input.levels();
-        self.counter.read(&Sampled { counter, levels, levels_after, counter_after: self.input.count() })
+        let counter_after = self.input.count();
+        self.counter.read(&Sampled { counter, levels, levels_after, counter_after, index })
     }
 }

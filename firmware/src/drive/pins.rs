@@ -31,6 +31,8 @@ pub struct PinHardware {
     pub longest_period_us: u32,
     /// Whether it measures the current of a bridge, and the voltage of its bus.
     pub measures_current: bool,
+    /// Whether the counters of motor and load keep their count at an index pulse.
+    pub has_index: [bool; 2],
 }
 
 /// Limits of the hardware with the filter in force.
@@ -86,6 +88,8 @@ pub struct EncoderReading {
     pub counts: EncoderCounts,
     /// Number of times that both channels changed at once, since power-up. A quadrature encoder never does that.
     pub illegal_transitions: u32,
+    /// Counts at the latest index pulse since the last reading.
+    pub index: Option<EncoderCounts>,
 }
 
 /// The inputs of bench mode at the start of a period.
@@ -131,11 +135,11 @@ struct Observed {
     fastest_counts_per_s: f32,
 }
 
-/// Whether a host waits for the home switch.
+/// Whether a host waits for the home switch or an index pulse.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Home {
     NotAwaited,
-    /// The switch has to be seen open first.
+    /// The switch has to be seen open first. An index pulse that comes with the first readings may be older than the request.
     Awaited {
         was_active: bool,
     },
@@ -200,7 +204,7 @@ impl Pins {
         Ok(())
     }
 
-    /// The zero is where the home switch next closes.
+    /// The zero is where the home switch next closes, or at the next index pulse.
     pub(super) fn await_home(&mut self) {
         self.home = Home::Awaited { was_active: true };
     }
@@ -218,6 +222,23 @@ impl Pins {
             }
             Home::Awaited { was_active } => *was_active = is_active,
             Home::NotAwaited => {}
+        }
+    }
+
+    /// Takes the latest readings, with whether they are where an index pulse of this encoder, 0 of the motor, is its zero. The other
+    /// encoder's zero is where it is at these readings.
+    pub(super) fn note_index(&mut self, side: usize, counts: bool) {
+        let Home::Awaited { was_active } = &mut self.home else { return };
+        let is_first = core::mem::replace(was_active, false);
+        let readings = self.readings();
+        let encoder = [readings.motor, readings.load].get(side).copied();
+        if counts
+            && !is_first
+            && let Some(index) = encoder.and_then(|encoder| encoder.index)
+            && self.set_zero().is_ok()
+            && let Some(zero) = self.zero.get_mut(side)
+        {
+            *zero = index;
         }
     }
 

@@ -20,12 +20,21 @@ impl<L: LawSet> Drive<L> {
         }
         match source {
             ZeroSource::Present => pins.set_zero(),
-            ZeroSource::Home if parameters.home_input == Contact::Unused => {
-                let (value, max, given_by) = (0.0, 2.0, "SetZero");
-                let error = ParameterError { name: "home_input", value, max, given_by };
-                Err(Parameters::<L>::inconsistent(&error))
-            }
             ZeroSource::Home => {
+                let index = parameters.index_input;
+                let has_index = index.side().map(|side| pins.hardware().has_index.get(side) == Some(&true));
+                let error = match has_index {
+                    Some(true) => None,
+                    Some(false) => {
+                        Some(("index_input", index as u32 as f32, "the index input that the board lacks"))
+                    }
+                    None if parameters.home_input != Contact::Unused => None,
+                    None => Some(("home_input", 0.0, "SetZero")),
+                };
+                if let Some((name, value, given_by)) = error {
+                    let error = ParameterError { name, value, max: 2.0, given_by };
+                    return Err(Parameters::<L>::inconsistent(&error));
+                }
                 pins.await_home();
                 Ok(())
             }
@@ -33,13 +42,18 @@ impl<L: LawSet> Drive<L> {
         }
     }
 
-    /// Takes the zero where the home switch closes, if a host waits for it. To be called with the readings of every tick in `Idle`.
+    /// Takes the zero at an index pulse, or where the home switch closes, if a host waits for it. To be called with the readings of every
+    /// tick in `Idle`.
     pub(super) fn find_home(&mut self, readings: &PinReadings) {
         if let Some(pins) = self.pins.as_mut().filter(|pins| pins.awaits_home())
             && let Some(parameters) = self.parameters.pins()
-            && let Some(is_home) = parameters.home_input.is_active(readings.contacts.home)
         {
-            pins.note_home(is_home);
+            let is_home = parameters.home_input.is_active(readings.contacts.home);
+            match (parameters.index_input.side(), is_home) {
+                (Some(side), is_home) => pins.note_index(side, is_home != Some(false)),
+                (None, Some(is_home)) => pins.note_home(is_home),
+                (None, None) => {}
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, ZeroSource};
 use lashloop_protocol::message::{ClearFault, FaultReport, SetZero, Stop};
 
@@ -211,7 +212,44 @@ fn the_zero_of_both_encoders_is_where_the_host_or_the_home_switch_says() {
 }
 
 #[test]
+fn the_zero_of_an_encoder_is_at_its_index_pulse_and_that_of_the_other_where_it_then_is() {
+    let zero = |host: &mut PinHost| {
+        host.readings.motor.index = None;
+        host.arm();
+        host.start();
+        host.refer(0.0);
+        let sample = host.step();
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+        let of = |at: EncoderCounts, counts: EncoderCounts| at.get() - counts.get();
+        (
+            of(host.readings.motor.counts, sample.motor_counts),
+            of(host.readings.load.counts, sample.load_counts),
+        )
+    };
+    for (home_input, at_pulse, want) in [(0, false, (340, 36)), (1, true, (340, 36)), (1, false, (0, 0))] {
+        let mut host = PinHost::with(&[
+            ("index_input", ParameterValue::U32(1)),
+            ("home_input", ParameterValue::U32(home_input)),
+        ]);
+        assert_eq!(host.command(SetZero { source: ZeroSource::Home }), (Outcome::Accepted, State::Idle));
+        // The pulse of the first readings may be older than the request; those after the first one move nothing.
+        for (motor, index) in [(100, Some(90)), (200, None), (360, Some(340)), (500, Some(480))] {
+            host.readings.contacts.home = at_pulse && motor == 360;
+            host.turn(motor, motor / 10);
+            host.readings.motor.index = index.map(EncoderCounts::wrapping);
+            // That of the other encoder is none.
+            host.readings.load.index = Some(EncoderCounts::wrapping(77));
+            host.tick();
+        }
+        assert_eq!(zero(&mut host), want, "{home_input} {at_pulse}");
+    }
+}
+
+#[test]
 fn a_zero_is_refused_outside_idle_and_without_a_home_switch() {
+    let mut host = PinHost::with(&[("index_input", ParameterValue::U32(2))]);
+    let load = host.refusal(SetZero { source: ZeroSource::Home });
+    assert_eq!(load, (Outcome::Inconsistent, index("index_input").into(), State::Idle), "no such input");
     let mut host = PinHost::with(&[]);
     let home = host.refusal(SetZero { source: ZeroSource::Home });
     assert_eq!(home, (Outcome::Inconsistent, index("home_input").into(), State::Idle));

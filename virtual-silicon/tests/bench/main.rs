@@ -12,6 +12,7 @@ mod encoders;
 mod every_row;
 mod failures;
 mod host;
+mod index;
 mod line;
 mod loader;
 mod machine;
