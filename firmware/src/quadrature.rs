@@ -41,8 +41,6 @@ pub struct Sampled {
     pub levels_after: (bool, bool),
     /// The counter after that.
     pub counter_after: u16,
-    /// The counter at the latest index pulse since the last reading.
-    pub index: Option<u16>,
 }
 
 impl QuadratureCounter {
@@ -63,9 +61,14 @@ impl QuadratureCounter {
             offset = Some(present);
         }
         self.last = Some(Last { hardware, counts, offset });
-        // A pulse may come between the readings of counter and capture.
-        let index = sampled.index.map(|at| counts.wrapping_add(i32::from(at.wrapping_sub(hardware) as i16)));
-        EncoderReading { counts, illegal_transitions: self.illegal_transitions, index }
+        EncoderReading { counts, illegal_transitions: self.illegal_transitions }
+    }
+
+    /// The counts at a count of the hardware which is less than half its range from that of the last reading: at an index pulse.
+    #[must_use]
+    pub fn counts_at(&self, hardware: u16) -> Option<EncoderCounts> {
+        let last = self.last?;
+        Some(last.counts.wrapping_add(i32::from(hardware.wrapping_sub(last.hardware) as i16)))
     }
 }
 
@@ -92,13 +95,7 @@ mod tests {
     fn read(counter: &mut QuadratureCounter, position: i64, lost: i64) -> EncoderReading {
         let levels = channels(position);
         let hardware = (position - lost) as u16;
-        counter.read(&Sampled {
-            counter: hardware,
-            levels,
-            levels_after: levels,
-            counter_after: hardware,
-            index: None,
-        })
+        counter.read(&Sampled { counter: hardware, levels, levels_after: levels, counter_after: hardware })
     }
 
     #[test]
@@ -144,7 +141,6 @@ mod tests {
                 levels,
                 levels_after: levels,
                 counter_after: position as u16,
-                index: None,
             };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
         }
@@ -158,7 +154,7 @@ mod tests {
             read(&mut counter, position, 0);
             let (levels_after, levels) = (channels(position), channels(position + 2));
             let at = position as u16;
-            let sampled = Sampled { counter: at, levels, levels_after, counter_after: at, index: None };
+            let sampled = Sampled { counter: at, levels, levels_after, counter_after: at };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
         }
     }
@@ -166,18 +162,12 @@ mod tests {
     #[test]
     fn an_index_pulse_has_the_counts_of_its_place_across_a_wrap_of_the_hardware() {
         let mut counter = QuadratureCounter::default();
-        let mut read = |position: i64, index: Option<i64>| {
-            let (at, levels) = (position as u16, channels(position));
-            let index = index.map(|index| index as u16);
-            counter
-                .read(&Sampled { counter: at, levels, levels_after: levels, counter_after: at, index })
-                .index
-        };
-        assert_eq!(read(65_000, None), None);
-        let pulses = [(66_000, 65_535), (97_000, 65_540), (66_000, 96_999), (66_000, 66_003)];
-        for (position, index) in pulses {
-            // From the signed count of the first reading on.
-            assert_eq!(read(position, Some(index)), Some(EncoderCounts::wrapping(index - 65_536)));
+        assert_eq!(counter.counts_at(5), None, "before the first reading");
+        // The count of the first reading is signed.
+        read(&mut counter, 65_000, 0);
+        for (position, index) in [(66_000, 65_535), (97_000, 65_540), (66_000, 96_999), (66_000, 66_003)] {
+            read(&mut counter, position, 0);
+            assert_eq!(counter.counts_at(index as u16), Some(EncoderCounts::wrapping(index - 65_536)));
         }
     }
 
@@ -193,7 +183,6 @@ mod tests {
                 levels,
                 levels_after: levels,
                 counter_after: (position - lost) as u16,
-                index: None,
             };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0);
         }

@@ -121,6 +121,10 @@ impl Tick {
             bridge_voltage_v: measured.map_or(0.0, |[_, voltage_v]| voltage_v),
         };
         drive.sample(&readings, due, &self.clock);
+        if let Some(side) = drive.awaited_index() {
+            let index = if side == 0 { self.motor.take_index() } else { self.load.take_index() };
+            drive.note_index(side, index);
+        }
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept
         // SysTick waiting.
         if self.timer.has_ended() {

@@ -88,8 +88,6 @@ pub struct EncoderReading {
     pub counts: EncoderCounts,
     /// Number of times that both channels changed at once, since power-up. A quadrature encoder never does that.
     pub illegal_transitions: u32,
-    /// Counts at the latest index pulse since the last reading.
-    pub index: Option<EncoderCounts>,
 }
 
 /// The inputs of bench mode at the start of a period.
@@ -225,16 +223,14 @@ impl Pins {
         }
     }
 
-    /// Takes the latest readings, with whether they are where an index pulse of this encoder, 0 of the motor, is its zero. The other
-    /// encoder's zero is where it is at these readings.
-    pub(super) fn note_index(&mut self, side: usize, counts: bool) {
+    /// The zero of an encoder, 0 for the motor, is at these counts of its index pulse, which has come since the last call, if it
+    /// counts. That of the other one is where it is at the latest readings.
+    pub(super) fn note_index(&mut self, side: usize, index: Option<EncoderCounts>, counts: bool) {
         let Home::Awaited { was_active } = &mut self.home else { return };
         let is_first = core::mem::replace(was_active, false);
-        let readings = self.readings();
-        let encoder = [readings.motor, readings.load].get(side).copied();
-        if counts
-            && !is_first
-            && let Some(index) = encoder.and_then(|encoder| encoder.index)
+        if !is_first
+            && counts
+            && let Some(index) = index
             && self.set_zero().is_ok()
             && let Some(zero) = self.zero.get_mut(side)
         {

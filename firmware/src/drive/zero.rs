@@ -1,5 +1,6 @@
 //! The zero of both encoders.
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{Outcome, State, ZeroSource};
 
 use super::machine::Drive;
@@ -42,18 +43,32 @@ impl<L: LawSet> Drive<L> {
         }
     }
 
-    /// Takes the zero at an index pulse, or where the home switch closes, if a host waits for it. To be called with the readings of every
-    /// tick in `Idle`.
+    /// Takes the zero where the home switch closes, if a host waits for it. To be called with the readings of every tick in `Idle`.
     pub(super) fn find_home(&mut self, readings: &PinReadings) {
         if let Some(pins) = self.pins.as_mut().filter(|pins| pins.awaits_home())
             && let Some(parameters) = self.parameters.pins()
+            && parameters.index_input.side().is_none()
+            && let Some(is_home) = parameters.home_input.is_active(readings.contacts.home)
         {
-            let is_home = parameters.home_input.is_active(readings.contacts.home);
-            match (parameters.index_input.side(), is_home) {
-                (Some(side), is_home) => pins.note_index(side, is_home != Some(false)),
-                (None, Some(is_home)) => pins.note_home(is_home),
-                (None, None) => {}
-            }
+            pins.note_home(is_home);
+        }
+    }
+
+    /// The encoder, 0 for the motor, whose index pulse a host waits for. After the sample of each tick, [`Self::note_index`] takes it.
+    #[must_use]
+    pub fn awaited_index(&self) -> Option<usize> {
+        self.pins.as_ref().filter(|pins| pins.awaits_home())?;
+        if self.state() != State::Idle {
+            return None;
+        }
+        self.parameters.pins()?.index_input.side()
+    }
+
+    /// Takes the counts of [`Self::awaited_index`] at its latest index pulse since the last tick.
+    pub fn note_index(&mut self, side: usize, index: Option<EncoderCounts>) {
+        if let (Some(pins), Some(parameters)) = (&mut self.pins, self.parameters.pins()) {
+            let is_home = parameters.home_input.is_active(pins.readings().contacts.home);
+            pins.note_index(side, index, is_home != Some(false));
         }
     }
 }

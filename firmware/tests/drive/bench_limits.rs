@@ -214,7 +214,6 @@ fn the_zero_of_both_encoders_is_where_the_host_or_the_home_switch_says() {
 #[test]
 fn the_zero_of_an_encoder_is_at_its_index_pulse_and_that_of_the_other_where_it_then_is() {
     let zero = |host: &mut PinHost| {
-        host.readings.motor.index = None;
         host.arm();
         host.start();
         host.refer(0.0);
@@ -236,10 +235,11 @@ fn the_zero_of_an_encoder_is_at_its_index_pulse_and_that_of_the_other_where_it_t
         for (motor, index) in [(100, Some(90)), (200, None), (360, Some(340)), (500, Some(480))] {
             host.readings.contacts.home = at_pulse && motor == 360;
             host.turn(motor, motor / 10);
-            host.readings.motor.index = index.map(EncoderCounts::wrapping);
-            // That of the other encoder is none.
-            host.readings.load.index = Some(EncoderCounts::wrapping(77));
             host.tick();
+            if let Some(side) = host.drive.awaited_index() {
+                assert_eq!(side, 0);
+                host.drive.note_index(side, index.map(EncoderCounts::wrapping));
+            }
         }
         assert_eq!(zero(&mut host), want, "{home_input} {at_pulse}");
     }

@@ -68,7 +68,6 @@ impl DriveTrain {
         let [motor, load] = std::array::from_fn(|side| EncoderReading {
             counts: EncoderCounts::wrapping(counts[side].wrapping_sub(self.zero[side])),
             illegal_transitions: 0,
-            index: None,
         });
         PinReadings { motor, load, ..PinReadings::default() }
     }
