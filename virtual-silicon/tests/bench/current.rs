@@ -283,6 +283,11 @@ fn resistance_and_inductance_off_by_30_percent_leave_the_loop_stable() {
     }
 }
 
+#[test]
+fn a_brake_resistor_is_on_above_its_voltage_until_3_percent_less() {
+    assert!(brake(&image()) <= Duration::from_millis(2));
+}
+
 /// A brake resistor is on above its voltage until 3 % less. Returns the time from the last sample to its switch off.
 pub fn brake(image: &Symbols) -> Duration {
     let board = image.board().expect("an image").expect("a board");
