@@ -165,7 +165,15 @@ mod tests {
         assert_eq!(counter.counts_at(5), None, "before the first reading");
         // The count of the first reading is signed.
         read(&mut counter, 65_000, 0);
-        for (position, index) in [(66_000, 65_535), (97_000, 65_540), (66_000, 96_999), (66_000, 66_003)] {
+        for (position, index) in [
+            (66_000, 65_535),
+            (97_000, 65_540),
+            // Where a count of 16 bits changes its sign.
+            (98_500, 98_200),
+            (98_000, 98_400),
+            (66_000, 96_999),
+            (66_000, 66_003),
+        ] {
             read(&mut counter, position, 0);
             assert_eq!(counter.counts_at(index as u16), Some(EncoderCounts::wrapping(index - 65_536)));
         }

@@ -86,14 +86,21 @@ fn a_motor_that_stands_still_at_the_torque_limit_for_the_time_of_a_stall_is_stop
 
 #[test]
 fn a_motor_that_moves_or_has_less_torque_does_not_stall() {
-    for (torque_nm, rad_per_step) in [(100.0, 1e-3), (85.0, 0.0)] {
+    // Counts of motor and load in every n-th step: both, one of both, and a motion just before the end of the time.
+    for (torque_nm, motor, load, every) in
+        [(100.0, 15, 5, 1), (100.0, 5, 0, 1), (100.0, 0, 5, 1), (100.0, 15, 5, 45), (85.0, 0, 0, 1)]
+    {
         let mut host = by_torque(&[("stall_time_s", number(0.05))]);
-        let mut load = 0.0;
-        for _ in 0..500 {
-            load += rad_per_step * TURN / TAU;
-            host.turn((3.0 * load) as i64, load as i64);
+        for step in 0..500 {
+            let motions = step / every;
+            host.turn(motions * motor, motions * load);
             host.refer(torque_nm);
-            assert_eq!(host.step().status.state, State::Running, "{torque_nm} N m");
+            let state = host.step().status.state;
+            assert_eq!(
+                state,
+                State::Running,
+                "{torque_nm} N m, {motor} and {load} counts each {every} steps"
+            );
         }
     }
 }
@@ -156,17 +163,22 @@ fn a_torque_towards_an_active_limit_switch_ends_the_run_and_one_away_from_it_doe
 
 #[test]
 fn a_drive_without_its_enable_neither_arms_nor_runs() {
-    let mut host = PinHost::with(&[("enable_input", ParameterValue::U32(1))]);
-    assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
-    host.readings.contacts.enable = true;
-    host.tick();
-    assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
-    assert_eq!(host.start(), (Outcome::Accepted, State::Running));
-    host.refer(0.0);
-    host.step();
-    host.readings.contacts.enable = false;
-    let answers = host.tick();
-    assert_eq!(host.assert_faulted(&answers, FaultCode::PowerStage).detail, 8);
+    // Active while closed, and while open.
+    for (input, is_active) in [(1, true), (2, false)] {
+        let mut host = PinHost::with(&[("enable_input", ParameterValue::U32(input))]);
+        host.readings.contacts.enable = !is_active;
+        host.tick();
+        assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
+        host.readings.contacts.enable = is_active;
+        host.tick();
+        assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+        assert_eq!(host.start(), (Outcome::Accepted, State::Running));
+        host.refer(0.0);
+        host.step();
+        host.readings.contacts.enable = !is_active;
+        let answers = host.tick();
+        assert_eq!(host.assert_faulted(&answers, FaultCode::PowerStage).detail, 8);
+    }
 }
 
 #[test]
