@@ -5,7 +5,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::Stop;
 use lashloop_silicon::boards::{self, BUILT_IN};
 use lashloop_silicon::quadrature::Channel;
 use lashloop_silicon::symbols::Symbols;
