@@ -1,4 +1,4 @@
-//! Contacts at the inputs of the drive: enable, limit switches, home switch.
+//! Contacts at the inputs of the drive: enable, limit switches, home switch; and index pulses of its encoders.
 
 /// Contacts that are closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +22,30 @@ crate::choices! {
         Closed = "closed",
         /// An open contact is active, and so is a broken wire.
         Open = "open",
+    }
+}
+
+crate::choices! {
+    /// The encoder whose index pulse is at its zero.
+    pub enum IndexInput {
+        /// None.
+        Unused = "unused",
+        /// That at the motor.
+        Motor = "motor",
+        /// That at the load.
+        Load = "load",
+    }
+}
+
+impl IndexInput {
+    /// Place of its encoder among motor and load.
+    #[must_use]
+    pub const fn side(self) -> Option<usize> {
+        match self {
+            Self::Unused => None,
+            Self::Motor => Some(0),
+            Self::Load => Some(1),
+        }
     }
 }
 

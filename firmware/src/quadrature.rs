@@ -63,6 +63,13 @@ impl QuadratureCounter {
         self.last = Some(Last { hardware, counts, offset });
         EncoderReading { counts, illegal_transitions: self.illegal_transitions }
     }
+
+    /// The counts at a count of the hardware which is less than half its range from that of the last reading: at an index pulse.
+    #[must_use]
+    pub fn counts_at(&self, hardware: u16) -> Option<EncoderCounts> {
+        let last = self.last?;
+        Some(last.counts.wrapping_add(i32::from(hardware.wrapping_sub(last.hardware) as i16)))
+    }
 }
 
 /// Quarter of the period of the channels, 0 to 3, rising with the count.
@@ -149,6 +156,26 @@ mod tests {
             let at = position as u16;
             let sampled = Sampled { counter: at, levels, levels_after, counter_after: at };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
+        }
+    }
+
+    #[test]
+    fn an_index_pulse_has_the_counts_of_its_place_across_a_wrap_of_the_hardware() {
+        let mut counter = QuadratureCounter::default();
+        assert_eq!(counter.counts_at(5), None, "before the first reading");
+        // The count of the first reading is signed.
+        read(&mut counter, 65_000, 0);
+        for (position, index) in [
+            (66_000, 65_535),
+            (97_000, 65_540),
+            // Where a count of 16 bits changes its sign.
+            (98_500, 98_200),
+            (98_000, 98_400),
+            (66_000, 96_999),
+            (66_000, 66_003),
+        ] {
+            read(&mut counter, position, 0);
+            assert_eq!(counter.counts_at(index as u16), Some(EncoderCounts::wrapping(index - 65_536)));
         }
     }
 

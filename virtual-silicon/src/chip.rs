@@ -13,7 +13,7 @@ use rigless::time::VirtualNanos;
 use crate::gate_driver::GateDriver;
 use crate::part::{Bits, Part, Registers};
 use crate::serial_line::SerialLine;
-use crate::stm32f4;
+use crate::stm32f4::Stm32f4;
 use crate::stm32h7::Stm32h7;
 use crate::wiring::{Family, Pin, Wiring};
 
@@ -48,7 +48,7 @@ impl Chip {
     /// The tables of the part contradict each other.
     pub fn new(wiring: &Wiring, crystal_hz: u64, has_mpu: bool) -> Result<Self> {
         let mut part: Box<dyn Part> = match wiring.chip {
-            Family::Stm32f4 => Box::new(stm32f4::part(crystal_hz)?),
+            Family::Stm32f4 => Box::new(Stm32f4::new(crystal_hz)?),
             Family::Stm32h7 => Box::new(Stm32h7::new(crystal_hz)?),
         };
         part.attach_line(wiring.link.port as usize);

@@ -49,6 +49,16 @@ pub struct DriveTrain {
     /// The motor; `None` for an amplifier that makes the torque.
     motor_at_bridge: Option<MotorAtBridge>,
     cut: Vec<(Encoder, Channel)>,
+    indices: Vec<Index>,
+}
+
+/// The index of an encoder: high at one count of each revolution.
+#[derive(Debug, Clone, Copy)]
+struct Index {
+    encoder: Encoder,
+    at_count: i64,
+    counts_per_rev: i64,
+    is_high: bool,
 }
 
 impl DriveTrain {
@@ -69,6 +79,24 @@ impl DriveTrain {
             torque_nm: 0.0,
             motor_at_bridge: None,
             cut: Vec::new(),
+            indices: Vec::new(),
+        }
+    }
+
+    /// The same with an index of an encoder at this count, and each revolution from there.
+    #[must_use]
+    pub fn with_index(mut self, encoder: Encoder, at_count: i64, counts_per_rev: i64) -> Self {
+        self.indices.push(Index { encoder, at_count, counts_per_rev, is_high: false });
+        self
+    }
+
+    /// Drives the index of an encoder if its level changes at this count.
+    fn drive_index(&mut self, chip: &mut Pins<'_>, encoder: Encoder, count: i64) {
+        for index in self.indices.iter_mut().filter(|index| index.encoder == encoder) {
+            let is_high = (count - index.at_count).rem_euclid(index.counts_per_rev) == 0;
+            if std::mem::replace(&mut index.is_high, is_high) != is_high {
+                chip.drive_index(encoder, is_high);
+            }
         }
     }
 
@@ -125,6 +153,10 @@ impl DriveTrain {
             if !self.cut.contains(&(encoder, edge.channel)) {
                 chip.drive_encoder(encoder, edge);
             }
+            self.drive_index(chip, encoder, count);
+        }
+        for index in self.indices.iter().filter(|_| self.next_step.is_none()) {
+            chip.drive_index(index.encoder, index.is_high);
         }
         let due = *self.next_step.get_or_insert_with(|| {
             chip.set_encoder(Encoder::Motor, self.motor);

@@ -15,12 +15,16 @@ const MODER: u64 = 0x00;
 const PUPDR: u64 = 0x0c;
 const IDR: u64 = 0x10;
 const AFRL: u64 = 0x20;
+/// From the first port on: the ports and the block that can reset them, RCC, in both families.
+const PORTS_AND_CLOCKS: u64 = 0x4800;
 
 /// What the timers have been given.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Inputs {
     inputs: [Input; Wiring::INPUTS],
-    /// Whether the image has written nothing since.
+    /// Whether the outputs of TIM1 are connected to their pins: those of channels 1 and 2.
+    outputs: [bool; 2],
+    /// Whether the image has written nothing to the ports since.
     is_settled: bool,
 }
 
@@ -33,9 +37,15 @@ struct Input {
 }
 
 impl Inputs {
-    /// The image has written to a register: it may have connected a pin, or changed its resistor.
-    pub(crate) fn note_write(&mut self) {
-        self.is_settled = false;
+    /// The image has written to a register: to one of a port, it may have connected a pin, or changed its resistor.
+    pub(crate) fn note_write(&mut self, ports: u64, address: u64) {
+        self.is_settled &= address.wrapping_sub(ports) >= PORTS_AND_CLOCKS;
+    }
+
+    /// Whether the outputs of channels 1 and 2 of TIM1 are connected to their pins.
+    pub(crate) fn outputs(&mut self, chip: &mut Chip, wiring: &Wiring, at: VirtualNanos) -> [bool; 2] {
+        self.settle(chip, wiring, at);
+        self.outputs
     }
 
     /// Gives the timers the levels of their pins at an instant, if the image may have changed them.
@@ -45,28 +55,33 @@ impl Inputs {
         }
         for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
             input.is_connected = is_connected(chip, pin);
-            input.follow(chip, (pin, timer), at);
+            let level = Level::from(is_high(chip, pin));
+            input.take(level, chip, timer, at);
         }
+        self.outputs = wiring.bridge.outputs.map(|pin| is_connected(chip, pin));
     }
 
-    /// Gives a timer the level of a pin that the board drives.
-    pub(crate) fn follow(&mut self, chip: &mut Chip, wiring: &Wiring, driven: Pin, at: VirtualNanos) {
+    /// Gives a timer the level to which the board drives its pin; `None` for a pin that it has released.
+    pub(crate) fn follow(
+        &mut self,
+        chip: &mut Chip,
+        wiring: &Wiring,
+        (driven, level): (Pin, Option<Level>),
+        at: VirtualNanos,
+    ) {
         self.settle(chip, wiring, at);
         for ((pin, timer), input) in wiring.inputs().zip(&mut self.inputs) {
             if pin == driven {
-                input.follow(chip, (pin, timer), at);
+                let level = level.unwrap_or_else(|| Level::from(is_high(chip, pin)));
+                input.take(level, chip, timer, at);
             }
         }
     }
 }
 
 impl Input {
-    fn follow(&mut self, chip: &mut Chip, (pin, timer): (Pin, TimerInput), at: VirtualNanos) {
-        if !self.is_connected {
-            return;
-        }
-        let level = Level::from(is_high(chip, pin));
-        if self.level.replace(level) == Some(level) {
+    fn take(&mut self, level: Level, chip: &mut Chip, timer: TimerInput, at: VirtualNanos) {
+        if !self.is_connected || self.level.replace(level) == Some(level) {
             return;
         }
         match timer {

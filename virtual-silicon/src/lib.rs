@@ -19,6 +19,7 @@
 //! | [`pins`] | [`Pins`](pins::Pins): encoder inputs, bridge outputs, break input |
 //! | [`quadrature`] | [`Quadrature`](quadrature::Quadrature): the two channels of an incremental encoder |
 //! | [`drive_train`] | [`DriveTrain`](drive_train::DriveTrain): a plant between bridge and encoders |
+//! | [`blocks`] | blocks of a chip that a board chooses among |
 //! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
 //! | [`boards`] | [`open`](boards::open): a pin map from its file |
 //! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
@@ -28,6 +29,7 @@
 #![warn(missing_docs)]
 
 pub mod access;
+pub mod blocks;
 pub mod boards;
 mod centred_pulse;
 pub mod chip;

@@ -108,7 +108,8 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
                 if access.kind == AccessKind::Read {
                     return;
                 }
-                self.inputs.note_write();
+                let ports = session.board_mut().part.registers().ports;
+                self.inputs.note_write(ports, access.address);
                 if !self.surroundings.crystal_starts() {
                     session.board_mut().hold_crystal(access.virtual_time, access.address);
                 }

@@ -66,16 +66,14 @@ impl MotorAtBridge {
 
     /// Takes what the chip drives, and puts the sensor's voltages on its pins.
     pub(crate) fn look(&mut self, chip: &mut Pins<'_>) {
-        let shown = chip.bridge();
-        let duty = match (shown.is_enabled, shown.channels, self.inputs) {
-            (true, [Some(size), Some(direction)], BridgeInputs::PwmDirection) => {
-                Some(if direction > 0.5 { size } else { -size })
-            }
-            (true, [Some(first), Some(second)], BridgeInputs::Halves) => Some(first - second),
-            _ => None,
-        };
         // Outputs that are off are low, and so is the enable line of a bridge that has one.
-        self.bridge = duty.filter(|_| shown.has_main_output).map_or(Bridge::Off, Bridge::Driving);
+        self.bridge = chip.driving_channels().map_or(Bridge::Off, |[first, second]| {
+            Bridge::Driving(match self.inputs {
+                BridgeInputs::PwmDirection if second > 0.5 => first,
+                BridgeInputs::PwmDirection => -first,
+                BridgeInputs::Halves => first - second,
+            })
+        });
         let current = self.sensor.read(self.circuit.parameters(), self.circuit.current_a());
         chip.drive_bridge_sensor(0.5 * (1.0 + current), self.circuit.bus_v() / self.bus_range_v);
     }

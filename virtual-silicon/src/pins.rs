@@ -13,7 +13,7 @@ use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
-use crate::centred_pulse::centred_pulse;
+use crate::centred_pulse::CentredPeriod;
 use crate::chip::Chip;
 use crate::gate_driver::GateDriver;
 use crate::inputs::{self, Inputs, is_configured, is_connected};
@@ -111,6 +111,13 @@ impl<'a> Pins<'a> {
     /// Drives one channel of an encoder.
     pub fn drive_encoder(&mut self, encoder: Encoder, Edge { channel, is_high }: Edge) {
         self.drive_pin(self.wiring.encoder(encoder).pin(channel), Some(is_high));
+    }
+
+    /// Drives the index of an encoder. A board may have no input for it.
+    pub fn drive_index(&mut self, encoder: Encoder, is_high: bool) {
+        if let Some(index) = self.wiring.encoder(encoder).index {
+            self.drive_pin(index.pin, Some(is_high));
+        }
     }
 
     /// Cuts the wire of one channel of an encoder.
@@ -215,8 +222,25 @@ impl<'a> Pins<'a> {
     /// Duty of a bridge that drives its motor, as [`Bridge::driving`], without the rest.
     pub fn driving(&mut self) -> Option<f64> {
         let is_enabled = self.is_high(self.wiring.bridge.enable);
-        let [pin, _] = self.wiring.bridge.outputs;
-        connected(self.session.board_mut(), pin, PWM).filter(|_| is_enabled)?.duty()
+        let chip = self.session.board_mut();
+        let [is_connected, _] = self.inputs.outputs(chip, self.wiring, self.at);
+        let period = CentredPeriod::of(chip);
+        (is_enabled && is_connected).then(|| driven(chip, PWM, period))?.duty()
+    }
+
+    /// High times of both channels of a bridge that is on, as [`Bridge::channels`], without the rest.
+    pub fn driving_channels(&mut self) -> Option<[f64; 2]> {
+        let is_enabled = self.is_high(self.wiring.bridge.enable);
+        let chip = self.session.board_mut();
+        let are_connected = self.inputs.outputs(chip, self.wiring, self.at) == [true; 2];
+        if !is_enabled || !are_connected || !chip.has_main_output() {
+            return None;
+        }
+        let period = CentredPeriod::of(chip);
+        let [first, second] = [1, 2].map(|channel| {
+            high_time(&driven(chip, TimerOutput { channel, is_complementary: false }, period))
+        });
+        Some([first?, second?])
     }
 
     /// What the chip drives at the bridge.
@@ -316,19 +340,27 @@ impl<'a> Pins<'a> {
         let chip = self.session.board_mut();
         let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
         chip.part.drive_pin(self.at, pin, level);
-        self.inputs.follow(chip, self.wiring, pin, self.at);
+        self.inputs.follow(chip, self.wiring, (pin, level), self.at);
     }
 }
 
 /// What TIM1 drives at a pin; `None` if the image has not connected them.
 fn connected(chip: &mut Chip, pin: Pin, output: TimerOutput) -> Option<Driven> {
     is_connected(chip, pin).then(|| {
-        let mut driven = chip.part.output(output);
-        if driven.level.is_some() && driven.pulse.is_none() && chip.has_main_output() {
-            driven.pulse = centred_pulse(chip, output);
-        }
-        driven
+        let period = CentredPeriod::of(chip);
+        driven(chip, output, period)
     })
+}
+
+/// What TIM1 drives at an output.
+fn driven(chip: &mut Chip, output: TimerOutput, period: Option<CentredPeriod>) -> Driven {
+    let mut driven = chip.part.output(output);
+    if let Some(period) = period.filter(|_| driven.level.is_some() && driven.pulse.is_none())
+        && chip.has_main_output()
+    {
+        driven.pulse = period.pulse(chip, output);
+    }
+    driven
 }
 
 /// High time of an output, 0 or 1 for a level; `None` if its timer doesn't drive it.

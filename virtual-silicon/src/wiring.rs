@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Deserialize;
 
+pub use crate::blocks::{SerialInterface, SerialPort, Timer};
 use crate::quadrature::Channel;
 
 /// A family of chips.
@@ -123,45 +124,6 @@ impl fmt::Display for Pin {
     }
 }
 
-/// A timer that counts encoders, in the order of the models of both families.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-#[expect(missing_docs, reason = "names of the data sheet")]
-pub enum Timer {
-    Tim2,
-    Tim3,
-    Tim4,
-    Tim5,
-}
-
-/// A serial port, in the order of the models of both families.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-#[expect(missing_docs, reason = "names of the data sheet")]
-pub enum SerialPort {
-    Usart1,
-    Usart2,
-    Usart3,
-    Uart4,
-    Uart5,
-    Usart6,
-    Uart7,
-    Uart8,
-}
-
-/// A serial interface, in the order of the models of both families.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-#[expect(missing_docs, reason = "names of the data sheet")]
-pub enum SerialInterface {
-    Spi1,
-    Spi2,
-    Spi3,
-    Spi4,
-    Spi5,
-    Spi6,
-}
-
 /// One of the two encoders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoder {
@@ -216,6 +178,18 @@ pub struct EncoderPins {
     pub a: Pin,
     /// Channel B, at the timer's channel 2.
     pub b: Pin,
+    /// Index, with its channel of the timer, 3 or 4; a board may lack it.
+    pub index: Option<IndexPin>,
+}
+
+/// The index input of an encoder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IndexPin {
+    /// The pin.
+    pub pin: Pin,
+    /// The channel of the encoder's timer that it leads to.
+    pub channel: u8,
 }
 
 impl EncoderPins {
@@ -309,18 +283,23 @@ pub struct Wiring {
 
 impl Wiring {
     /// Most inputs.
-    pub(crate) const INPUTS: usize = 5;
+    pub(crate) const INPUTS: usize = 7;
 
     /// All inputs with their pins.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = (Pin, TimerInput)> + use<> {
         let channel = |timer, channel| TimerInput::Channel { timer, channel };
-        let encoders: [_; Self::INPUTS - 1] = [
+        let encoders = [
             (self.motor.a, channel(self.motor.timer, 1)),
             (self.motor.b, channel(self.motor.timer, 2)),
             (self.load.a, channel(self.load.timer, 1)),
             (self.load.b, channel(self.load.timer, 2)),
         ];
-        encoders.into_iter().chain(self.bridge.break_input.map(|pin| (pin, TimerInput::Break)))
+        let index = |it: &EncoderPins| {
+            let timer = it.timer;
+            it.index.map(|index| (index.pin, channel(timer, index.channel)))
+        };
+        let indices = index(&self.motor).into_iter().chain(index(&self.load));
+        encoders.into_iter().chain(indices).chain(self.bridge.break_input.map(|pin| (pin, TimerInput::Break)))
     }
 
     /// Both half-bridges: the output of TIM1 with its complement.
@@ -358,6 +337,8 @@ impl Wiring {
             ("contacts.positive_limit", self.contacts.positive_limit, Mode::Input),
             ("contacts.home", self.contacts.home, Mode::Input),
         ];
+        uses.extend(self.motor.index.map(|index| ("motor.index", index.pin, ALTERNATE)));
+        uses.extend(self.load.index.map(|index| ("load.index", index.pin, ALTERNATE)));
         uses.extend(bridge.outputs.map(|pin| ("bridge.outputs", pin, ALTERNATE)));
         uses.extend(bridge.complements.map(|pin| ("bridge.complements", pin, ALTERNATE)));
         uses.extend(bridge.current.map(|pin| ("bridge.current", pin, Mode::Analog)));

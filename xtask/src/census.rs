@@ -1,4 +1,4 @@
-//! The mutation census of the board's code: each bug of the list is planted in a copy of the tree, where the test that it names
+//! The mutation census of the drive's code: each bug of the list is planted in a copy of the tree, where the test that it names
 //! has to fail.
 
 use std::collections::BTreeSet;
@@ -23,12 +23,12 @@ const TIMEOUT: &str = "timeout 900";
 struct Bug {
     /// A sentence.
     bug: String,
-    /// The file in `firmware/src`, with the text that occurs once and what becomes of it.
+    /// The file in `firmware/src`, or from the root if it is one of `host`, with the text that occurs once and what becomes of it.
     file: String,
     text: String,
     becomes: String,
-    /// Where its test runs: `unit` tests of the library, its tests as a `drive`, the `usb` class, or the image of a board on virtual
-    /// silicon.
+    /// Where its test runs: `unit` tests of the library, its tests as a `drive`, of its `store` and its `torque`, the `usb` class, the
+    /// commissioning (`identify`), or the image of a board on virtual silicon.
     at: String,
     /// Name of the test that kills it.
     test: String,
@@ -67,7 +67,8 @@ pub(crate) fn run(filters: &[String]) -> Result<ExitCode> {
             ensure!(output.is_some_and(|it| it.contains(" 1 passed")), "{place}: {test} fails without a bug");
         }
         for bug in bugs.iter().filter(|it| it.at == place) {
-            let path = tree.join("firmware/src").join(&bug.file);
+            let folder = if bug.file.starts_with("host/") { "" } else { "firmware/src" };
+            let path = tree.join(folder).join(&bug.file);
             let text =
                 fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
             ensure!(
@@ -130,7 +131,10 @@ fn host_tests(at: &str) -> Option<&'static str> {
     match at {
         "unit" => Some("--package lashloop-firmware --features usb --lib"),
         "drive" => Some("--package lashloop-firmware --features usb --test drive"),
+        "store" => Some("--package lashloop-firmware --test store"),
+        "torque" => Some("--package lashloop-firmware --test torque"),
         "usb" => Some("--package tests --test usb_class"),
+        "identify" => Some("--package lashloop-identify --test identify"),
         _ => None,
     }
 }

@@ -12,7 +12,9 @@ use super::chip::Chip;
 use super::device_clock::DeviceClock;
 use super::encoder::Encoder;
 use super::pac::Interrupt;
-use super::parts::{BridgeSensor as _, ContactInputs as _, PeriodTimer as _, StageLines as _};
+use super::parts::{
+    BridgeSensor as _, ContactInputs as _, EncoderInput as _, PeriodTimer as _, StageLines as _,
+};
 use super::pwm_stage::PwmStage;
 use super::tick_monitor::TickMonitor;
 use crate::actuator::Actuator;
@@ -31,6 +33,7 @@ pub(super) const HARDWARE: PinHardware = PinHardware {
     stage_modes: <Fitted as Chip>::StageLines::MODES,
     longest_period_us: u32::MAX,
     measures_current: <Fitted as Chip>::Sensor::EXISTS,
+    has_index: [<Fitted as Chip>::MotorEncoder::HAS_INDEX, <Fitted as Chip>::LoadEncoder::HAS_INDEX],
 };
 
 /// The tick and the encoders, for the task of TIM5.
@@ -118,6 +121,10 @@ impl Tick {
             bridge_voltage_v: measured.map_or(0.0, |[_, voltage_v]| voltage_v),
         };
         drive.sample(&readings, due, &self.clock);
+        if let Some(side) = drive.awaited_index() {
+            let index = if side == 0 { self.motor.take_index() } else { self.load.take_index() };
+            drive.note_index(side, index);
+        }
         // The next tick is due already. The timer shows it even if device time has lost milliseconds in a step that kept
         // SysTick waiting.
         if self.timer.has_ended() {

@@ -1,5 +1,7 @@
 //! A quadrature encoder: its counter between two readings of the levels at its pins.
 
+use lashloop_protocol::EncoderCounts;
+
 use super::parts::{CORE_HZ, EncoderInput};
 use crate::drive::EncoderReading;
 use crate::input_filter::{FILTERS, InputFilter, filter_for};
@@ -51,5 +53,11 @@ impl<I: EncoderInput> Encoder<I> {
         cortex_m::asm::delay(self.pin_to_count_cycles);
         let levels_after = self.input.levels();
         self.counter.read(&Sampled { counter, levels, levels_after, counter_after: self.input.count() })
+    }
+
+    /// The counts at the latest index pulse since the last call. To be called after [`Self::read`].
+    pub(super) fn take_index(&mut self) -> Option<EncoderCounts> {
+        let at = self.input.take_index()?;
+        self.counter.counts_at(at)
     }
 }

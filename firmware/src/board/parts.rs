@@ -77,7 +77,7 @@ pub trait Transmitter: Send + 'static {
     fn write_from_any_code(byte: u8) -> bool;
 }
 
-/// A quadrature encoder: a counter of every edge of both channels, 16 bits, and its pins.
+/// A quadrature encoder: a counter of every edge of both channels, 16 bits, its pins, and its index pulse.
 pub trait EncoderInput: Send + 'static {
     /// Selects the filter of both channels by its index in [`FILTERS`].
     fn set_filter(&mut self, filter: usize);
@@ -90,6 +90,12 @@ pub trait EncoderInput: Send + 'static {
 
     /// Levels of channels A and B at the pins.
     fn levels(&self) -> (bool, bool);
+
+    /// Whether a further channel of the timer captures the count at the rising edge of an index pulse.
+    const HAS_INDEX: bool;
+
+    /// The count at the latest index pulse since the last call.
+    fn take_index(&mut self) -> Option<u16>;
 }
 
 /// Inputs with pull-ups, each to be closed to ground: enable, both limit switches, home switch.

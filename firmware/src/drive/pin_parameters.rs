@@ -1,7 +1,7 @@
 //! The parameters of bench mode. Only a drive with encoders and a power stage of its own offers them, after all others.
 
 use super::pins::{PinHardware, PinReadings};
-use crate::contact::Contact;
+use crate::contact::{Contact, IndexInput};
 use crate::direction::Direction;
 use crate::law::ParameterError;
 use crate::power_stage::{BridgeLimits, Modulation, PowerStageFault, StageChoice};
@@ -96,6 +96,8 @@ crate::parameters! {
         positive_limit_input: Contact = Unused;
         /// Contact at the zero of both encoders.
         home_input: Contact = Unused;
+        /// Encoder whose index pulse is at its zero; with `home_input`, the pulse while that contact is active.
+        index_input: IndexInput = Unused;
         /// Smallest voltage of the bus. Below it, or below a fifth of `supply_v`, the drive switches the bridge off.
         supply_min_v: F32 = 0.0 in 0.0..=1e3, "V";
         /// Largest voltage of the bus. Beyond it, or at the end of its converter, the drive switches the bridge off.

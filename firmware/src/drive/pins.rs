@@ -31,6 +31,8 @@ pub struct PinHardware {
     pub longest_period_us: u32,
     /// Whether it measures the current of a bridge, and the voltage of its bus.
     pub measures_current: bool,
+    /// Whether the counters of motor and load keep their count at an index pulse.
+    pub has_index: [bool; 2],
 }
 
 /// Limits of the hardware with the filter in force.
@@ -131,11 +133,11 @@ struct Observed {
     fastest_counts_per_s: f32,
 }
 
-/// Whether a host waits for the home switch.
+/// Whether a host waits for the home switch or an index pulse.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Home {
     NotAwaited,
-    /// The switch has to be seen open first.
+    /// The switch has to be seen open first. An index pulse that comes with the first readings may be older than the request.
     Awaited {
         was_active: bool,
     },
@@ -200,7 +202,7 @@ impl Pins {
         Ok(())
     }
 
-    /// The zero is where the home switch next closes.
+    /// The zero is where the home switch next closes, or at the next index pulse.
     pub(super) fn await_home(&mut self) {
         self.home = Home::Awaited { was_active: true };
     }
@@ -218,6 +220,21 @@ impl Pins {
             }
             Home::Awaited { was_active } => *was_active = is_active,
             Home::NotAwaited => {}
+        }
+    }
+
+    /// The zero of an encoder, 0 for the motor, is at these counts of its index pulse, which has come since the last call, if it
+    /// counts. That of the other one is where it is at the latest readings.
+    pub(super) fn note_index(&mut self, side: usize, index: Option<EncoderCounts>, counts: bool) {
+        let Home::Awaited { was_active } = &mut self.home else { return };
+        let is_first = core::mem::replace(was_active, false);
+        if !is_first
+            && counts
+            && let Some(index) = index
+            && self.set_zero().is_ok()
+            && let Some(zero) = self.zero.get_mut(side)
+        {
+            *zero = index;
         }
     }
 

@@ -1,5 +1,6 @@
 //! The zero of both encoders.
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{Outcome, State, ZeroSource};
 
 use super::machine::Drive;
@@ -20,12 +21,21 @@ impl<L: LawSet> Drive<L> {
         }
         match source {
             ZeroSource::Present => pins.set_zero(),
-            ZeroSource::Home if parameters.home_input == Contact::Unused => {
-                let (value, max, given_by) = (0.0, 2.0, "SetZero");
-                let error = ParameterError { name: "home_input", value, max, given_by };
-                Err(Parameters::<L>::inconsistent(&error))
-            }
             ZeroSource::Home => {
+                let index = parameters.index_input;
+                let has_index = index.side().map(|side| pins.hardware().has_index.get(side) == Some(&true));
+                let error = match has_index {
+                    Some(true) => None,
+                    Some(false) => {
+                        Some(("index_input", index as u32 as f32, "the index input that the board lacks"))
+                    }
+                    None if parameters.home_input != Contact::Unused => None,
+                    None => Some(("home_input", 0.0, "SetZero")),
+                };
+                if let Some((name, value, given_by)) = error {
+                    let error = ParameterError { name, value, max: 2.0, given_by };
+                    return Err(Parameters::<L>::inconsistent(&error));
+                }
                 pins.await_home();
                 Ok(())
             }
@@ -37,9 +47,28 @@ impl<L: LawSet> Drive<L> {
     pub(super) fn find_home(&mut self, readings: &PinReadings) {
         if let Some(pins) = self.pins.as_mut().filter(|pins| pins.awaits_home())
             && let Some(parameters) = self.parameters.pins()
+            && parameters.index_input.side().is_none()
             && let Some(is_home) = parameters.home_input.is_active(readings.contacts.home)
         {
             pins.note_home(is_home);
+        }
+    }
+
+    /// The encoder, 0 for the motor, whose index pulse a host waits for. After the sample of each tick, [`Self::note_index`] takes it.
+    #[must_use]
+    pub fn awaited_index(&self) -> Option<usize> {
+        self.pins.as_ref().filter(|pins| pins.awaits_home())?;
+        if self.state() != State::Idle {
+            return None;
+        }
+        self.parameters.pins()?.index_input.side()
+    }
+
+    /// Takes the counts of [`Self::awaited_index`] at its latest index pulse since the last tick.
+    pub fn note_index(&mut self, side: usize, index: Option<EncoderCounts>) {
+        if let (Some(pins), Some(parameters)) = (&mut self.pins, self.parameters.pins()) {
+            let is_home = parameters.home_input.is_active(pins.readings().contacts.home);
+            pins.note_index(side, index, is_home != Some(false));
         }
     }
 }

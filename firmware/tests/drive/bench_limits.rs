@@ -6,6 +6,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, ZeroSource};
 use lashloop_protocol::message::{ClearFault, FaultReport, SetZero, Stop};
 
@@ -85,14 +86,21 @@ fn a_motor_that_stands_still_at_the_torque_limit_for_the_time_of_a_stall_is_stop
 
 #[test]
 fn a_motor_that_moves_or_has_less_torque_does_not_stall() {
-    for (torque_nm, rad_per_step) in [(100.0, 1e-3), (85.0, 0.0)] {
+    // Counts of motor and load in every n-th step: both, one of both, and a motion just before the end of the time.
+    for (torque_nm, motor, load, every) in
+        [(100.0, 15, 5, 1), (100.0, 5, 0, 1), (100.0, 0, 5, 1), (100.0, 15, 5, 45), (85.0, 0, 0, 1)]
+    {
         let mut host = by_torque(&[("stall_time_s", number(0.05))]);
-        let mut load = 0.0;
-        for _ in 0..500 {
-            load += rad_per_step * TURN / TAU;
-            host.turn((3.0 * load) as i64, load as i64);
+        for step in 0..500 {
+            let motions = step / every;
+            host.turn(motions * motor, motions * load);
             host.refer(torque_nm);
-            assert_eq!(host.step().status.state, State::Running, "{torque_nm} N m");
+            let state = host.step().status.state;
+            assert_eq!(
+                state,
+                State::Running,
+                "{torque_nm} N m, {motor} and {load} counts each {every} steps"
+            );
         }
     }
 }
@@ -155,17 +163,22 @@ fn a_torque_towards_an_active_limit_switch_ends_the_run_and_one_away_from_it_doe
 
 #[test]
 fn a_drive_without_its_enable_neither_arms_nor_runs() {
-    let mut host = PinHost::with(&[("enable_input", ParameterValue::U32(1))]);
-    assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
-    host.readings.contacts.enable = true;
-    host.tick();
-    assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
-    assert_eq!(host.start(), (Outcome::Accepted, State::Running));
-    host.refer(0.0);
-    host.step();
-    host.readings.contacts.enable = false;
-    let answers = host.tick();
-    assert_eq!(host.assert_faulted(&answers, FaultCode::PowerStage).detail, 8);
+    // Active while closed, and while open.
+    for (input, is_active) in [(1, true), (2, false)] {
+        let mut host = PinHost::with(&[("enable_input", ParameterValue::U32(input))]);
+        host.readings.contacts.enable = !is_active;
+        host.tick();
+        assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
+        host.readings.contacts.enable = is_active;
+        host.tick();
+        assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+        assert_eq!(host.start(), (Outcome::Accepted, State::Running));
+        host.refer(0.0);
+        host.step();
+        host.readings.contacts.enable = !is_active;
+        let answers = host.tick();
+        assert_eq!(host.assert_faulted(&answers, FaultCode::PowerStage).detail, 8);
+    }
 }
 
 #[test]
@@ -211,7 +224,44 @@ fn the_zero_of_both_encoders_is_where_the_host_or_the_home_switch_says() {
 }
 
 #[test]
+fn the_zero_of_an_encoder_is_at_its_index_pulse_and_that_of_the_other_where_it_then_is() {
+    let zero = |host: &mut PinHost| {
+        host.arm();
+        host.start();
+        host.refer(0.0);
+        let sample = host.step();
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+        let of = |at: EncoderCounts, counts: EncoderCounts| at.get() - counts.get();
+        (
+            of(host.readings.motor.counts, sample.motor_counts),
+            of(host.readings.load.counts, sample.load_counts),
+        )
+    };
+    for (home_input, at_pulse, want) in [(0, false, (340, 36)), (1, true, (340, 36)), (1, false, (0, 0))] {
+        let mut host = PinHost::with(&[
+            ("index_input", ParameterValue::U32(1)),
+            ("home_input", ParameterValue::U32(home_input)),
+        ]);
+        assert_eq!(host.command(SetZero { source: ZeroSource::Home }), (Outcome::Accepted, State::Idle));
+        // The pulse of the first readings may be older than the request; those after the first one move nothing.
+        for (motor, index) in [(100, Some(90)), (200, None), (360, Some(340)), (500, Some(480))] {
+            host.readings.contacts.home = at_pulse && motor == 360;
+            host.turn(motor, motor / 10);
+            host.tick();
+            if let Some(side) = host.drive.awaited_index() {
+                assert_eq!(side, 0);
+                host.drive.note_index(side, index.map(EncoderCounts::wrapping));
+            }
+        }
+        assert_eq!(zero(&mut host), want, "{home_input} {at_pulse}");
+    }
+}
+
+#[test]
 fn a_zero_is_refused_outside_idle_and_without_a_home_switch() {
+    let mut host = PinHost::with(&[("index_input", ParameterValue::U32(2))]);
+    let load = host.refusal(SetZero { source: ZeroSource::Home });
+    assert_eq!(load, (Outcome::Inconsistent, index("index_input").into(), State::Idle), "no such input");
     let mut host = PinHost::with(&[]);
     let home = host.refusal(SetZero { source: ZeroSource::Home });
     assert_eq!(home, (Outcome::Inconsistent, index("home_input").into(), State::Idle));

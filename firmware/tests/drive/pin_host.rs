@@ -25,6 +25,7 @@ pub const HARDWARE: PinHardware = PinHardware {
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
     measures_current: true,
+    has_index: [true, false],
 };
 
 pub const BENCH: [(&str, ParameterValue); 3] = [

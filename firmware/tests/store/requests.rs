@@ -29,6 +29,7 @@ impl Host {
             stage_modes: &[lashloop_firmware::stage_mode::StageMode::Amplifier],
             longest_period_us: 65_535,
             measures_current: true,
+            has_index: [true, false],
         };
         let drive = Drive::with_pins("test", hardware);
         let drive = match flash {

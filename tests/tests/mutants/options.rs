@@ -22,6 +22,7 @@ const HARDWARE: PinHardware = PinHardware {
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 65_535,
     measures_current: false,
+    has_index: [false; 2],
 };
 /// Time between two looks of the drive at its pins and its watchdog.
 const TICK: Duration = Duration::from_millis(1);

@@ -89,6 +89,8 @@ pub struct Site {
     until: Duration,
     /// Takes the device time of a frame of the chip.
     on_frame: Option<Sender<Duration>>,
+    /// Without what costs time: a core without memory protection, and no look at the bridge, as in the program.
+    is_plain: bool,
 }
 
 impl Site {
@@ -123,7 +125,7 @@ impl Surroundings for Site {
     }
 
     fn watches_bridge(&self) -> bool {
-        true
+        !self.is_plain
     }
 
     fn crystal_starts(&self) -> bool {
@@ -131,7 +133,7 @@ impl Surroundings for Site {
     }
 
     fn has_mpu(&self) -> bool {
-        true
+        !self.is_plain
     }
 
     fn crystal_hz(&self) -> u64 {
@@ -192,6 +194,13 @@ impl Bench {
         bench
     }
 
+    /// As [`Self::with_turntable`], emulated as fast as in the program.
+    pub fn plain(image: &Symbols, train: DriveTrain, speeds: Speeds) -> Self {
+        let mut bench = Self::holding(image, train, Some(CRYSTAL_HZ), None, true);
+        bench.speeds = speeds;
+        bench
+    }
+
     /// As [`Self::power_up`], with a crystal that doesn't start.
     pub fn without_crystal(image: &Symbols) -> Self {
         Self::new(image, turntable::drive_train(&Speeds::default(), (0, 0)), None)
@@ -206,14 +215,20 @@ impl Bench {
     pub fn with_kept(image: &Symbols, at: u64, bytes: Vec<u8>) -> Self {
         let kept = Image::new(Path::new("kept"), bytes, Some(at)).expect("bytes at an address");
         let train = turntable::drive_train(&Speeds::default(), (0, 0));
-        Self::holding(image, train, Some(CRYSTAL_HZ), Some(kept))
+        Self::holding(image, train, Some(CRYSTAL_HZ), Some(kept), false)
     }
 
     fn new(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>) -> Self {
-        Self::holding(image, train, crystal_hz, None)
+        Self::holding(image, train, crystal_hz, None, false)
     }
 
-    fn holding(image: &Symbols, train: DriveTrain, crystal_hz: Option<u64>, kept: Option<Image>) -> Self {
+    fn holding(
+        image: &Symbols,
+        train: DriveTrain,
+        crystal_hz: Option<u64>,
+        kept: Option<Image>,
+        is_plain: bool,
+    ) -> Self {
         let board = image.board().expect("an image").expect("the image names its board");
         let wiring = boards::open(&board).unwrap_or_else(|error| panic!("{error}"));
         let machine = Machine::power_up(image, wiring, |commands| Site {
@@ -224,6 +239,7 @@ impl Bench {
             commands,
             until: Duration::ZERO,
             on_frame: None,
+            is_plain,
         });
         Self { machine: Some(machine), speeds: Speeds::default(), now: FIRST_TURN, resets_allowed: false }
     }

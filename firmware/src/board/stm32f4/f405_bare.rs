@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | PC6, PC7 | TIM3 channels 1 and 2 | motor encoder A, B |
 //! | PB6, PB7 | TIM4 channels 1 and 2 | load encoder A, B |
+//! | PC8 | TIM3 channel 3 | index of the motor encoder |
+//! | PB8 | TIM4 channel 3 | index of the load encoder |
 //! | PA8 | TIM1 channel 1 | pulse input of the amplifier; PWM, IN1, or high side A of a bridge |
 //! | PA9 | TIM1 channel 2 | nothing at an amplifier; direction, IN2, or high side B of a bridge |
 //! | PB13, PB14 | TIM1 complements of both channels | low sides A and B of two half-bridges |
@@ -47,8 +49,8 @@ pub const HAS_CLOCK: bool = false;
 /// Name of the board.
 pub const NAME: &str = "stm32f405";
 
-pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
-pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>, 3>;
+pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>, 3>;
 /// PC0 has the current, PC1 the bus.
 pub type Sensor = Adc<10, 11>;
 
@@ -114,6 +116,8 @@ pub fn start(
         b.pb6.into_alternate().internal_resistor(Pull::Up),
         b.pb7.into_alternate().internal_resistor(Pull::Up),
     );
+    c.pc8.into_alternate::<2>().set_internal_resistor(Pull::Up);
+    b.pb8.into_alternate::<2>().set_internal_resistor(Pull::Up);
     let lines = Lines {
         not_ready: b.pb12.into_alternate().internal_resistor(Pull::Up),
         enable: b.pb0.into_push_pull_output(),

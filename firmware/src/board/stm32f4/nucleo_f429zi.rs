@@ -4,6 +4,8 @@
 //! |---|---|---|---|
 //! | PC6, PC7 | D16, D21 | TIM3 channels 1 and 2 | motor encoder A, B |
 //! | PD12, PD13 | D29, D28 | TIM4 channels 1 and 2 | load encoder A, B |
+//! | PC8 | D43 | TIM3 channel 3 | index of the motor encoder |
+//! | PD14 | D10 | TIM4 channel 3 | index of the load encoder |
 //! | PE9 | D6 | TIM1 channel 1 | as PA8 in `f405_bare` |
 //! | PE11 | D5 | TIM1 channel 2 | as PA9 there |
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | as PB13 and PB14 there |
@@ -22,7 +24,7 @@
 //! line has another pin.
 
 use stm32f4xx_hal::gpio::{
-    Alternate, Output, PA11, PA12, PC0, PC3, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
+    Alternate, Output, PA11, PA12, PC0, PC3, PC6, PC7, PC8, PD8, PD9, PD12, PD13, PD14, PE7, PE15, Pull, gpioe,
 };
 use stm32f4xx_hal::pac::{GPIOE, Interrupt, TIM3, TIM4, USART3};
 use stm32f4xx_hal::rcc::Rcc;
@@ -44,8 +46,8 @@ pub const CHIP: &str = "STM32F429ZITx";
 /// Whether OSC_IN has a clock, and not a crystal.
 pub const HAS_CLOCK: bool = true;
 
-pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
-pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>, 3>;
+pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>, 3>;
 /// PC0 has the current, PC3 the bus.
 pub type Sensor = Adc<10, 13>;
 
@@ -56,11 +58,11 @@ pub const LINK: Interrupt = Interrupt::USART3;
 pub const SENSOR: Interrupt = Interrupt::ADC;
 pub type LinkPins = (PD8, PD9);
 /// The pins of bench mode.
-pub type BenchPins = ((PC6, PC7), (PD12, PD13), (PC0, PC3), gpioe::Parts);
+pub type BenchPins = ((PC6, PC7, PC8), (PD12, PD13, PD14), (PC0, PC3), gpioe::Parts);
 
 /// Port and pins of the link, pins of the USB port, and of bench mode.
 pub fn share(Ports { a, c, d, e, usart3, .. }: Ports) -> ((LinkPort, LinkPins), (PA11, PA12), BenchPins) {
-    ((usart3, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), (c.pc0, c.pc3), e))
+    ((usart3, (d.pd8, d.pd9)), (a.pa11, a.pa12), ((c.pc6, c.pc7, c.pc8), (d.pd12, d.pd13, d.pd14), (c.pc0, c.pc3), e))
 }
 
 /// The lines of the power stage.
@@ -99,7 +101,7 @@ impl AmplifierLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
-    ((motor_a, motor_b), (load_a, load_b), (current, bus), e): BenchPins,
+    ((motor_a, motor_b, motor_index), (load_a, load_b, load_index), (current, bus), e): BenchPins,
     Blocks { pwm, motor, load, adc, .. }: Blocks,
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, ContactPins, PwmStage<Tim1, Lines>, Sensor) {
@@ -111,6 +113,8 @@ pub fn start(
         load_a.into_alternate().internal_resistor(Pull::Up),
         load_b.into_alternate().internal_resistor(Pull::Up),
     );
+    motor_index.into_alternate::<2>().set_internal_resistor(Pull::Up);
+    load_index.into_alternate::<2>().set_internal_resistor(Pull::Up);
     let lines = Lines {
         not_ready: e.pe15.into_alternate().internal_resistor(Pull::Up),
         enable: e.pe7.into_push_pull_output(),

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | PB4, PB5 | TIM3 channels 1 and 2 | encoder connector M0: motor encoder A, B |
 //! | PB6, PB7 | TIM4 channels 1 and 2 | encoder connector M1: load encoder A, B |
+//! | PC9 | TIM3 channel 4 | encoder connector M0: index of the motor encoder |
 //! | PA8, PB13 | TIM1 channel 1 and its complement | gate driver M0, phase A high and low |
 //! | PA9, PB14 | TIM1 channel 2 and its complement | gate driver M0, phase B high and low |
 //! | PB12 | output | EN_GATE of both gate drivers (DRV8301) |
@@ -60,7 +61,8 @@ pub fn share(Ports { a, b, c, d, usart2, .. }: Ports) -> ((LinkPort, LinkPins), 
     ((usart2, (a.pa2, a.pa3)), (a.pa11, a.pa12), ((a.pa0, a.pa1), (a.pa7, a.pa8, a.pa9, a.pa10), b, c, d))
 }
 
-pub type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>, 4>;
+/// The index of connector M1 is PC15, to which no timer leads.
 pub type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
 /// The board's own shunts are not read yet.
 pub type Sensor = NoSensor;
@@ -121,6 +123,7 @@ pub fn start(
         b.pb6.into_alternate().internal_resistor(Pull::Up),
         b.pb7.into_alternate().internal_resistor(Pull::Up),
     );
+    c.pc9.into_alternate::<2>().set_internal_resistor(Pull::Up);
     let select = c.pc13.into_push_pull_output_in_state(PinState::High);
     let driver = GateDriver::new(spi, (c.pc10, c.pc11, c.pc12), select, rcc);
     c.pc14.into_push_pull_output_in_state(PinState::High);

@@ -4,6 +4,8 @@
 //! |---|---|---|---|
 //! | PC6, PC7 | D16, D21 | TIM3 channels 1 and 2 | motor encoder A, B |
 //! | PD12, PD13 | D29, D28 | TIM4 channels 1 and 2 | load encoder A, B |
+//! | PC8 | D43 | TIM3 channel 3 | index of the motor encoder |
+//! | PD14 | D10 | TIM4 channel 3 | index of the load encoder |
 //! | PE9 | D6 | TIM1 channel 1 | pulse input; high side A |
 //! | PE11 | D5 | TIM1 channel 2 | direction or second pulse input; high side B |
 //! | PE8, PE10 | D42, D40 | TIM1 complements of both channels | low sides A and B |
@@ -17,7 +19,7 @@
 //! | OSC_IN | | 8 MHz | a clock of its ST-Link, as delivered |
 
 use stm32h7xx_hal::gpio::{
-    Alternate, Output, PA11, PA12, PC6, PC7, PD8, PD9, PD12, PD13, PE7, PE15, Pull, gpioe,
+    Alternate, Output, PA11, PA12, PC6, PC7, PC8, PD8, PD9, PD12, PD13, PD14, PE7, PE15, Pull, gpioe,
 };
 use stm32h7xx_hal::pac::{GPIOE, Interrupt, TIM3, TIM4};
 
@@ -37,8 +39,8 @@ pub const CHIP: &str = "STM32H743ZITx";
 /// Whether OSC_IN has a clock, and not a crystal.
 pub const HAS_CLOCK: bool = true;
 
-pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>>;
-pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>>;
+pub type MotorEncoder = Encoder<TIM3, PC6<Alternate<2>>, PC7<Alternate<2>>, 3>;
+pub type LoadEncoder = Encoder<TIM4, PD12<Alternate<2>>, PD13<Alternate<2>>, 3>;
 
 /// Interrupt of the link.
 pub const LINK: Interrupt = Interrupt::USART3;
@@ -46,13 +48,13 @@ pub const LINK: Interrupt = Interrupt::USART3;
 pub const SENSOR: Interrupt = Interrupt::ADC1_2;
 pub type LinkPins = (PD8<Alternate<7>>, PD9<Alternate<7>>);
 /// The pins of bench mode.
-pub type BenchPins = ((PC6, PC7), (PD12, PD13), gpioe::Parts);
+pub type BenchPins = ((PC6, PC7, PC8), (PD12, PD13, PD14), gpioe::Parts);
 
 /// Pins of the link, of the USB port, and of bench mode.
 pub fn share(Ports { a, c, d, e }: Ports) -> (LinkPins, (PA11, PA12), BenchPins) {
     // The pull-up holds an open input idle: without it noise is received as bytes.
     let link = (d.pd8.into_alternate(), d.pd9.into_alternate().internal_resistor(Pull::Up));
-    (link, (a.pa11, a.pa12), ((c.pc6, c.pc7), (d.pd12, d.pd13), e))
+    (link, (a.pa11, a.pa12), ((c.pc6, c.pc7, c.pc8), (d.pd12, d.pd13, d.pd14), e))
 }
 
 /// The lines of the power stage.
@@ -84,7 +86,7 @@ impl AmplifierLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub fn start(
-    ((motor_a, motor_b), (load_a, load_b), e): BenchPins,
+    ((motor_a, motor_b, motor_index), (load_a, load_b, load_index), e): BenchPins,
     Timers { tim1, tim3, tim4 }: Timers,
 ) -> (MotorEncoder, LoadEncoder, ContactPins, PwmStage<Tim1, Lines>) {
     let motor_pins = (
@@ -95,6 +97,8 @@ pub fn start(
         load_a.into_alternate().internal_resistor(Pull::Up),
         load_b.into_alternate().internal_resistor(Pull::Up),
     );
+    motor_index.into_alternate::<2>().set_internal_resistor(Pull::Up);
+    load_index.into_alternate::<2>().set_internal_resistor(Pull::Up);
     let lines = Lines {
         not_ready: e.pe15.into_alternate().internal_resistor(Pull::Up),
         enable: e.pe7.into_push_pull_output(),

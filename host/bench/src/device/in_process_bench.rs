@@ -29,6 +29,7 @@ const HARDWARE: PinHardware = PinHardware {
     stage_modes: &[StageMode::Amplifier],
     longest_period_us: 100_000,
     measures_current: false,
+    has_index: [false; 2],
 };
 /// Longest step of the plant, the period of a PWM of 20 kHz.
 const PLANT_STEP: Duration = Duration::from_micros(50);

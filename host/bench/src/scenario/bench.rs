@@ -24,7 +24,7 @@ const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
 
 /// The parameters of bench mode that are keys of `[bench]`, with their meaning. Ranges and choices are those of the drive.
-const PINS: [(&str, &str); 39] = [
+const PINS: [(&str, &str); 40] = [
     (TORQUE_PER_DUTY_NM, "Torque at the motor for a duty of 1 more than `duty_offset`."),
     ("duty_offset", "Duty of no torque."),
     ("duty_min", "Smallest duty of the amplifier."),
@@ -63,6 +63,10 @@ const PINS: [(&str, &str); 39] = [
     ("negative_limit_input", "Contact that ends a torque towards negative positions."),
     ("positive_limit_input", "Contact that ends a torque towards positive positions."),
     ("home_input", "Contact at the zero of both encoders."),
+    (
+        "index_input",
+        "Encoder whose index pulse is at its zero; with home_input, the pulse while that contact is active.",
+    ),
     ("rig_id", "Number of the rig."),
 ];
 

@@ -49,6 +49,7 @@ impl DeviceKind for OwnClock {
             stage_modes: &[StageMode::Amplifier],
             longest_period_us: 65_536,
             measures_current: false,
+            has_index: [false; 2],
         };
         let now = Instant::now();
         let link = Ticking {

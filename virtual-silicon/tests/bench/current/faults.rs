@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use lashloop_plant::electrical::{ElectricalParameters, ReverseCurrent};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
+use lashloop_silicon::symbols::Symbols;
 
 use super::{BY_CURRENT, COMPLEMENTARY, change, current_a, idle, motor, powered_up, settings, torques};
 use crate::bench::image;
@@ -37,10 +38,8 @@ fn a_sensor_that_is_off_by_a_quarter_of_its_range_arms_nothing() {
 }
 
 /// A shaft that is turned faster than the whole voltage could hold.
-#[test]
-fn an_overcurrent_turns_the_bridge_off_within_a_period_of_the_modulation() {
-    let motor = motor();
-    let mut host = idle(&image(), motor);
+pub fn overcurrent(image: &Symbols) -> Duration {
+    let mut host = idle(image, motor());
     host.run();
     host.steps(5, 1.0);
     // 240 V against 48.
@@ -55,46 +54,47 @@ fn an_overcurrent_turns_the_bridge_off_within_a_period_of_the_modulation() {
     host.steps(2, 1.0);
     // A sample comes once in a period, and its interrupt takes some us to judge it.
     let off = off_within(&mut host, instant, Duration::from_micros(56));
-    println!("off {off:?} after 1.5 times the largest current");
     assert_eq!(stage_fault(&mut host), 4);
     host.bench.turn(0.0, 0.0);
     host.bench.advance(Duration::from_millis(5));
     assert_eq!(current_a(&mut host), 0.0);
+    off
 }
 
-/// A sensor whose wire is open, or whose direction is the other one: at 24 V the current stays below 1.5 times its limit.
-#[test]
-fn a_sensor_that_shows_nothing_or_the_reverse_ends_the_run_in_2_ms() {
-    for supply_v in [24.0, 48.0] {
-        for is_reversed in [false, true] {
-            let motor = ElectricalParameters { supply_v, ..motor() };
-            let mut host = idle(&image(), motor);
-            if is_reversed {
-                assert_eq!(host.set("current_direction", ParameterValue::U32(1)), Outcome::Accepted);
-            }
-            host.run();
-            host.steps(3, 0.0);
-            if !is_reversed {
-                // Such a range shows the middle for every current.
-                change(&mut host, |motor| motor.sense_range_a = 1e4);
-            }
-            let instant = host.refer(1.0);
-            let torques = torques(&mut host, &motor, Duration::from_millis(4));
-            let off = off_within(&mut host, instant, Duration::from_millis(3));
-            let most_a = torques.iter().fold(0.0_f64, |most, nm| most.max(nm.abs() / 0.24));
-            println!(
-                "{supply_v} V, reversed {is_reversed}: off {off:?} after the command, at most {most_a:.0} A"
-            );
-            assert!(most_a < 75.0 + 5.0, "{most_a} A");
-            assert_eq!(stage_fault(&mut host), 6);
+/// A sensor whose wire is open, or whose direction is the other one, at a voltage at which the current stays below 1.5 times its limit
+/// and at twice that. Returns the longest time from the command on.
+pub fn wrong_sensor(image: &Symbols) -> Duration {
+    let cases = [(24.0, false), (24.0, true), (48.0, false), (48.0, true)];
+    let off = cases.map(|(supply_v, is_reversed)| {
+        let motor = ElectricalParameters { supply_v, ..motor() };
+        let mut host = idle(image, motor);
+        if is_reversed {
+            assert_eq!(host.set("current_direction", ParameterValue::U32(1)), Outcome::Accepted);
         }
-    }
+        host.run();
+        host.steps(3, 0.0);
+        if !is_reversed {
+            // Such a range shows the middle for every current.
+            change(&mut host, |motor| motor.sense_range_a = 1e4);
+        }
+        let instant = host.refer(1.0);
+        let torques = torques(&mut host, &motor, Duration::from_millis(4));
+        let off = off_within(&mut host, instant, Duration::from_millis(3));
+        let most_a = torques.iter().fold(0.0_f64, |most, nm| most.max(nm.abs() / 0.24));
+        println!(
+            "{supply_v} V, reversed {is_reversed}: off {off:?} after the command, at most {most_a:.0} A"
+        );
+        assert!(most_a < 75.0 + 5.0, "{most_a} A");
+        assert_eq!(stage_fault(&mut host), 6);
+        off
+    });
+    off.into_iter().max().expect("cases")
 }
 
-#[test]
-fn a_bus_without_voltage_arms_nothing_and_a_weak_one_ends_the_run() {
+/// A bus without voltage arms nothing, and a weak one ends the run.
+pub fn undervoltage(image: &Symbols) -> Duration {
     let motor = motor();
-    let mut host = idle(&image(), motor);
+    let mut host = idle(image, motor);
     let nominal_v = motor.supply_v;
     // Below a 64th of the range nothing is connected.
     change(&mut host, |motor| motor.supply_v = 0.0);
@@ -114,15 +114,15 @@ fn a_bus_without_voltage_arms_nothing_and_a_weak_one_ends_the_run() {
     assert!(under.is_some());
     host.steps(2, 1.0);
     // The bus is followed twice in a period.
-    off_within(&mut host, instant, Duration::from_micros(56));
+    let off = off_within(&mut host, instant, Duration::from_micros(56));
     assert_eq!(stage_fault(&mut host), 3);
+    off
 }
 
 /// The shaft turns against the torque: 24 V times 21 A go back, minus the losses, into a bus of 1 mF.
-#[test]
-fn braking_into_a_supply_that_takes_nothing_ends_in_overvoltage() {
+pub fn overvoltage(image: &Symbols) -> Duration {
     let motor = ElectricalParameters { reverse_current: ReverseCurrent::Blocked, ..motor() };
-    let mut host = idle(&image(), motor);
+    let mut host = idle(image, motor);
     assert_eq!(host.set("supply_max_v", ParameterValue::F32(55.0)), Outcome::Accepted);
     host.run();
     host.steps(5, 1.0);
@@ -143,6 +143,7 @@ fn braking_into_a_supply_that_takes_nothing_ends_in_overvoltage() {
     // The current decays in 0.3 ms: 3 mC into the 1 mF of the bus.
     assert!(most_v < 59.0, "{most_v} V");
     assert_eq!(stage_fault(&mut host), 7);
+    off
 }
 
 /// The first mean of the sensor at rest takes 1,024 periods.
@@ -171,10 +172,8 @@ fn a_drive_without_the_offset_of_its_sensor_does_not_arm() {
 }
 
 /// Without samples the bridge would keep its last duty, and no current would be too large.
-#[test]
-fn converters_that_stop_end_the_run() {
-    let motor = motor();
-    let mut host = idle(&image(), motor);
+pub fn stopped_converters(image: &Symbols) -> Duration {
+    let mut host = idle(image, motor());
     host.run();
     host.steps(5, 1.0);
     let instant = host.bench.act(|chip, _| {
@@ -182,11 +181,26 @@ fn converters_that_stop_end_the_run() {
         chip.now()
     });
     host.steps(5, 1.0);
+    let off = off_within(&mut host, instant, Duration::from_millis(3));
+    assert_eq!(stage_fault(&mut host), 6);
+    off
+}
+
+/// A supply that is too weak for half the torque, and not for the loop's own limits.
+pub fn missing_torque(image: &Symbols) -> Duration {
+    let motor = ElectricalParameters { reverse_current: ReverseCurrent::Blocked, ..motor() };
+    let mut host = idle(image, motor);
+    assert_eq!(host.set("missing_torque_time_s", ParameterValue::F32(0.01)), Outcome::Accepted);
+    host.run();
+    host.steps(5, 1.0);
+    // 5 N m need 20 V, and 4.8 V end the run.
+    change(&mut host, |motor| motor.supply_v = 5.2);
+    let instant = host.bench.now();
+    host.steps(60, 1.0);
     let off = host.bench.time_to_off(instant).expect("the bridge off");
-    println!("off {off:?} after the last sample");
-    assert!(off <= Duration::from_millis(3), "{off:?}");
-    let [fault] = host.faults()[..] else { panic!("one fault") };
-    assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 6));
+    let faults: Vec<_> = host.faults().iter().map(|it| it.code).collect();
+    assert_eq!(faults, [FaultCode::TorqueMissing]);
+    off
 }
 
 /// A winding of which a fifth is left: the loop, made for the whole, holds the current below the fault's limit or switches off.
