@@ -64,16 +64,16 @@ pub const BACKLASH_INVERSE: PaperRun = PaperRun {
     metric: "settle_time_s",
     want: 2.51,
     tolerance: 0.05,
-    torque_sha256: "99a06067f3b473b66fd8fed57a0b7816a7830bf38980c65fa47051f4fb053ab3",
+    torque_sha256: "0f23599b392b0b26f4624ef78bea683c3d86f66ef5f00aae4c95c3c7e26544e7",
 };
 
 /// The same plant under the braking curve.
 pub const BRAKING_CURVE: PaperRun = PaperRun {
     name: "shaft-braking-curve",
     metric: "settle_time_s",
-    want: 1.24,
+    want: 1.18,
     tolerance: 0.05,
-    torque_sha256: "6a743721cde20b4acc05c0d36222e5bd3eb2fc2212ba138dfe9cd63787d6114e",
+    torque_sha256: "3144c831d0cc9ad9dccfba8fbe5fd200bc2ed5fa9baacbdb88c5e97e8e576f42",
 };
 
 impl PaperRun {

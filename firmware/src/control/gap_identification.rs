@@ -203,22 +203,41 @@ impl<F: Real> Identification<F> {
             return;
         }
         let torque = self.per_torque_1_nm * sample.transmitted_nm;
-        let offset_deviation = estimate.covariance.m33.sqrt() / estimate.parameters.x;
-        let least = F::from_f64(LEAST_TORQUE) + F::from_f64(CERTAIN_DEVIATIONS) * offset_deviation;
-        if torque.abs() > least && rate < self.fastest_twist_rad_s {
+        // Beyond the least torque by so many deviations of the offset, without the microcontroller's slow square root.
+        let beyond = (torque.abs() - F::from_f64(LEAST_TORQUE)) * estimate.parameters.x;
+        let square = F::from_f64(CERTAIN_DEVIATIONS * CERTAIN_DEVIATIONS) * estimate.covariance.m33;
+        if beyond > F::ZERO && beyond * beyond > square && rate < self.fastest_twist_rad_s {
             self.update(estimate, torque, self.per_twist_1_rad * sample.twist_rad);
         }
     }
 
     fn update(&self, estimate: &mut Estimate<F>, torque: F, twist: F) {
-        let regressor = Vector3::new(torque, torque.sign(), F::ONE);
-        let spread = estimate.covariance * regressor;
+        // Element by element: the library's generic product takes three times the instructions on the microcontroller.
+        let side = torque.sign();
+        let p = &mut estimate.covariance;
+        let spread = [
+            p.m11 * torque + p.m12 * side + p.m13,
+            p.m21 * torque + p.m22 * side + p.m23,
+            p.m31 * torque + p.m32 * side + p.m33,
+        ];
         let variance = self.sample_variance * (F::ONE + F::from_f64(TORQUE_VARIANCE) * torque * torque);
-        let gain = spread / (variance + regressor.dot(&spread));
-        let error = twist - estimate.parameters.dot(&regressor);
+        let innovation = variance + (torque * spread[0] + side * spread[1] + spread[2]);
+        let gain = spread.map(|element| element / innovation);
+        p.m11 -= gain[0] * spread[0];
+        p.m12 -= gain[0] * spread[1];
+        p.m13 -= gain[0] * spread[2];
+        p.m21 -= gain[1] * spread[0];
+        p.m22 -= gain[1] * spread[1];
+        p.m23 -= gain[1] * spread[2];
+        p.m31 -= gain[2] * spread[0];
+        p.m32 -= gain[2] * spread[1];
+        p.m33 -= gain[2] * spread[2];
+        let x = &mut estimate.parameters;
+        let error = twist - (x.x * torque + x.y * side + x.z);
         estimate.misfit += F::from_f64(MISFIT_FRACTION) * (error.abs() - estimate.misfit);
-        estimate.covariance -= gain * spread.transpose();
-        estimate.parameters += gain * error;
+        x.x += gain[0] * error;
+        x.y += gain[1] * error;
+        x.z += gain[2] * error;
         if estimate.covariance.m22 < self.initial_variance {
             estimate.covariance.m22 += self.drift;
         }
@@ -232,8 +251,9 @@ impl<F: Real> Identification<F> {
         let compliance = estimate.parameters.x.clamp(F::from_f64(low), F::from_f64(high));
         if compliance != estimate.parameters.x && estimate.covariance.m11 > F::ZERO {
             let moved = (compliance - estimate.parameters.x) / estimate.covariance.m11;
-            estimate.parameters += estimate.covariance.column(0) * moved;
             estimate.parameters.x = compliance;
+            estimate.parameters.y += estimate.covariance.m21 * moved;
+            estimate.parameters.z += estimate.covariance.m31 * moved;
         }
         estimate.parameters.y = estimate.parameters.y.clamp(F::ZERO, self.max);
     }

@@ -126,8 +126,8 @@ pub(crate) fn of_every_law() {
         ("pd", 1000, 811),
         ("merzouki", 1000, 1045),
         ("merzouki-as-printed", 1000, 980),
-        ("backlash-inverse", 5000, 1140),
-        ("braking-curve", 5000, 1540),
+        ("backlash-inverse", 5000, 1600),
+        ("braking-curve", 5000, 1800),
         ("open-loop", 1000, 760),
     ];
     check("lashloop-firmware", SHORT_STEPS, &laws);
