@@ -6,7 +6,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("benchmarks/plant", 300),
     ("examples/own-law", 150),
     ("examples/own-plant", 200),
-    ("firmware", 9_450),
+    ("firmware", 9_500),
     ("host", 1_630),
     ("host/bench", 11_200),
     ("host/campaign", 6_200),
