@@ -34,7 +34,7 @@ const USB_ID: u32 = 0x4008_003c;
 const WATCHDOG: u32 = 0x5800_4800;
 
 /// The registers that the program sets, in this order (RM0433).
-const SETTINGS: [(u32, u32); 41] = [
+const SETTINGS: [(u32, u32); 42] = [
     // Clocks of USB, ports C to E, TIM3, TIM4 and USART3, TIM1 and TIM16.
     (RCC + 0xd8, 1 << 27),
     (RCC + 0xe0, 0b11100),
@@ -43,12 +43,13 @@ const SETTINGS: [(u32, u32); 41] = [
     // HSE, and HSI stays on.
     (RCC, 1 << 16 | 1),
     // MODER, PUPDR, AFRL and AFRH of the board's pins.
-    (PORT_C, 0b10_10 << 12),
-    (PORT_C + 0x0c, 0b01_01 << 12),
+    (PORT_C, 0b10_10_10 << 12),
+    (PORT_C + 0x0c, 0b01_01_01 << 12),
     (PORT_C + 0x20, 0x22 << 24),
-    (PORT_D, 0b10_10 << 24 | 0b10_10 << 16),
-    (PORT_D + 0x0c, 0b01_01 << 24 | 0b01 << 18),
-    (PORT_D + 0x24, 0x22 << 16 | 0x77),
+    (PORT_C + 0x24, 2),
+    (PORT_D, 0b10_10_10 << 24 | 0b10_10 << 16),
+    (PORT_D + 0x0c, 0b01_01_01 << 24 | 0b01 << 18),
+    (PORT_D + 0x24, 0x222 << 16 | 0x77),
     (PORT_E, 0b10 << 30 | 0b10_10_10_10 << 16 | 0b01 << 14),
     (PORT_E + 0x0c, 0b01 << 30 | 0b10_10_10_10 << 16 | 0b01_01_01_01 << 6),
     (PORT_E + 0x24, 1 << 28 | 0x1111),

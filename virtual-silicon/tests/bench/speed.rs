@@ -22,25 +22,20 @@ const PIECES: usize = 16;
 /// Most that the fastest piece may take.
 const LIMIT: f64 = 0.5;
 
-/// Processor time of the threads of this process so far.
-fn processor_time() -> Duration {
-    let threads = fs::read_dir("/proc/self/task").expect("threads");
-    let times = threads.filter_map(|thread| {
-        let text = fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
-        text.split_whitespace().next()?.parse::<u64>().ok()
-    });
-    Duration::from_nanos(times.sum())
+/// Processor time so far of the thread that runs the chip.
+fn processor_time(host: &mut Host) -> Duration {
+    let text = host.bench.act(|_, _| fs::read_to_string("/proc/thread-self/schedstat"));
+    let text = text.expect("times of a thread");
+    Duration::from_nanos(text.split_whitespace().next().and_then(|it| it.parse().ok()).expect("a time"))
 }
 
 /// Processor time per device time of the fastest piece, and of the one in the middle.
 fn measure(host: &mut Host, piece: impl Fn(&mut Host)) -> [f64; 2] {
     let mut times: Vec<_> = (0..PIECES)
         .map(|_| {
-            let (before, from) = (processor_time(), host.bench.now());
+            let (before, from) = (processor_time(host), host.bench.now());
             piece(host);
-            // The chip runs in a thread of its own.
-            host.bench.act(|_, _| ());
-            (processor_time() - before).as_secs_f64() / (host.bench.now() - from).as_secs_f64()
+            (processor_time(host) - before).as_secs_f64() / (host.bench.now() - from).as_secs_f64()
         })
         .collect();
     times.sort_by(f64::total_cmp);
