@@ -9,7 +9,7 @@ use stm32h7xx_hal::rcc::ResetEnable;
 
 use crate::board::parts::{ENCODER_FILTERS, EncoderInput};
 
-/// The timer of an encoder and the pins of both channels. `INDEX` is the channel of the index pulse, 3 or 4; 0 is none.
+/// The timer of an encoder and the pins of both channels. `INDEX` is the channel of the index pulse, 3 or 4, or 0 without one.
 pub struct Encoder<T, A, B, const INDEX: u8 = 0> {
     timer: T,
     a: A,

@@ -112,11 +112,6 @@ impl<F: Real> BrakingCurve<F> {
         })
     }
 
-    /// The gains that follow from the machine.
-    pub fn gains(&self) -> &Gains<F> {
-        &self.gains
-    }
-
     /// The torque for one sample, before the drive's limit.
     pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<BrakingCurveSignals<F>, F> {
         let added_nm = self.torque.added_nm(measurement.motor_position_rad);

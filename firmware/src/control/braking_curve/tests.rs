@@ -124,7 +124,7 @@ fn torque_that_the_motor_does_not_give_winds_no_integral() {
     };
     let (free, missing) = (after(0.0).expect("samples"), after(1.0).expect("samples"));
     assert!(missing.torque_nm < 0.6 * free.torque_nm, "{missing:?}, {free:?}");
-    assert_eq!(after(-1.0), Some(free), "a torque that is missing in the other direction is none of its");
+    assert_eq!(after(-1.0), Some(free), "a torque that is missing in the other direction doesn't stop it");
 }
 
 /// A machine of other size: torques, lengths and times by these factors.
