@@ -117,7 +117,6 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         drive_parameter: None,
     };
     let key = |of: Quantity| Quantity { plant_key: Some(of.name), ..of };
-    let law = |of: Quantity| Quantity { drive_parameter: Some(of.name), ..of };
     let offset_nm = fit.point.vector.get(Parameter::TorqueOffset);
     let offset_deviation_nm = deviation(fit, Parameter::TorqueOffset);
     let half_nm = DEVIATIONS * offset_deviation_nm;
@@ -148,7 +147,10 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         high: remains(amplitude.high),
     });
     let mut all = vec![
-        key(law(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset))),
+        Quantity {
+            drive_parameter: Some("torque_offset_nm"),
+            ..key(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset))
+        },
         key(quantity("cogging_nm", "N m", "amplitude of the cogging", shown(Some(amplitude)))),
         key(quantity(
             "cogging_per_turn",
@@ -162,12 +164,12 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
             "phase of the cogging at the motor encoder's zero",
             shown(phase),
         ),
-        law(quantity(
+        quantity(
             "torque_uncertainty_nm",
             "N m",
             "standard deviation of what remains of the torque's errors",
             uncertainty,
-        )),
+        ),
     ];
     let names = [
         ("motor_eccentricity_rad", "motor_eccentricity_phase_rad"),
