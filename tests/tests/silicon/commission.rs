@@ -100,6 +100,9 @@ fn commission(seed: u64, coverage: &mut Coverage) {
     coverage.plant(is_followed);
     for quantity in estimates["quantities"].as_array().expect("quantities") {
         let name = quantity["name"].as_str().expect("a name");
+        if !plant.has_truth(name) {
+            continue;
+        }
         let end = |key: &str| quantity["estimate"][key].as_f64();
         let shown = end("low").zip(end("high"));
         let truth = plant.truth(name);

@@ -21,17 +21,6 @@ const LIMITS: Limits =
 /// Variable of the environment with other seeds, `FIRST..END`, for tuning.
 const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
 
-/// What plants without errors have no truth of.
-const ERRORS: [&str; 7] = [
-    "cogging_per_turn",
-    "cogging_phase_rad",
-    "torque_uncertainty_nm",
-    "motor_eccentricity_rad",
-    "motor_eccentricity_phase_rad",
-    "load_eccentricity_rad",
-    "load_eccentricity_phase_rad",
-];
-
 fn seeds(default: Range<u64>) -> Range<u64> {
     let given = std::env::var(VARIABLE).ok();
     let parsed = given.as_deref().and_then(|text| {
@@ -64,13 +53,12 @@ fn coverage(seeds: Range<u64>, draw: impl Fn(u64) -> HiddenPlant) -> Coverage {
         assert_eq!(directions, plant.signs.map(Some), "directions of seed {seed}");
         coverage.plant(identified.is_followed());
         for quantity in &identified.quantities {
-            let is_error = ERRORS.contains(&quantity.name);
-            if is_error && plant.errors.cogging_nm == 0.0 {
+            if !plant.has_truth(quantity.name) {
                 continue;
             }
             let mut truth = plant.truth(quantity.name);
             if let Some(it) =
-                quantity.estimate.filter(|it| quantity.unit == "rad" && is_error && it.value.abs() > 1.0)
+                quantity.estimate.filter(|it| quantity.name.ends_with("_phase_rad") && it.value.abs() > 1.0)
             {
                 truth += TAU * ((it.value - truth) / TAU).round();
             }

@@ -13,6 +13,17 @@ use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
 const DELAY_US: u32 = 1000;
 const SUBSTEPS: u32 = 16;
 
+/// What plants without errors have no truth of.
+const ERRORS: [&str; 7] = [
+    "cogging_per_turn",
+    "cogging_phase_rad",
+    "torque_uncertainty_nm",
+    "motor_eccentricity_rad",
+    "motor_eccentricity_phase_rad",
+    "load_eccentricity_rad",
+    "load_eccentricity_phase_rad",
+];
+
 /// A drive train whose parameters a commissioning doesn't get.
 pub struct HiddenPlant {
     /// Masses, spring and gap.
@@ -117,6 +128,11 @@ impl HiddenPlant {
         let [motor, load] = self.counts_per_rev;
         let exact = Instruments::exact(motor, load, DELAY_US).with_encoder_error_rad(self.encoder_error_rad);
         Instruments { noise_counts: self.errors.noise_counts, ..exact }
+    }
+
+    /// Whether the plant has a truth for this quantity: without errors, what is left of them is that of a power stage.
+    pub fn has_truth(&self, name: &str) -> bool {
+        self.errors.cogging_nm != 0.0 || !ERRORS.contains(&name)
     }
 
     /// The true value of a quantity by its name.
