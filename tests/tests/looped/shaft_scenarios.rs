@@ -18,10 +18,10 @@ const SCENARIOS: [(&str, &str, f64, f64); 9] = [
 
 /// Those of the braking curve: the nominal plant is among the pinned runs.
 const BRAKING_CURVE: [(&str, &str, f64, f64); 4] = [
-    ("braking-curve-sine", "lost_motion_rad", 0.0008, 0.0003),
-    ("braking-curve-heavy", "overshoot_rad", 0.0176, 0.002),
-    ("braking-curve-pushed", "settle_time_s", 1.485, 0.05),
-    ("braking-curve-weak-motor", "settle_time_s", 2.853, 0.05),
+    ("braking-curve-sine", "lost_motion_rad", 0.0002, 0.0001),
+    ("braking-curve-heavy", "overshoot_rad", 0.0019, 0.0005),
+    ("braking-curve-pushed", "settle_time_s", 1.500, 0.05),
+    ("braking-curve-weak-motor", "settle_time_s", 2.808, 0.05),
 ];
 
 fn path(name: &str) -> String {
