@@ -112,7 +112,7 @@ Exit codes:
   5           the hardware of a rig is absent; nothing was run, there is no verdict
 
 First steps:
-  lashloop paper demo                         the paper's four runs, as a table and a figure
+  lashloop paper demo                         the paper's plants under three laws, as a table and a figure
   lashloop paper figures                      the paper's figures and numbers next to ours
   lashloop show scenarios/smooth-after.toml   every key of the scenario with its value
   lashloop run scenarios/smooth-after.toml    one run on the native twin

@@ -40,12 +40,28 @@ pub struct Series {
     pub x: Vec<f64>,
     /// Vertical coordinates in the unit of the panel's axis.
     pub y: Vec<f64>,
+    /// Deviation of each `y`, shaded on both sides of the curve; empty for none.
+    pub deviation: Vec<f64>,
 }
 
 impl Series {
     /// A curve through `(x[i], y[i])`.
     pub fn new(label: impl Into<String>, role: Role, x: Vec<f64>, y: Vec<f64>) -> Self {
-        Self { label: label.into(), role, x, y }
+        Self { label: label.into(), role, x, y, deviation: Vec::new() }
+    }
+
+    /// Shades `y[i]` ± `deviation[i]`.
+    #[must_use]
+    pub fn deviation(mut self, deviation: Vec<f64>) -> Self {
+        self.deviation = deviation;
+        self
+    }
+
+    /// Lower and upper edge of the shade; without points if there is none.
+    pub(crate) fn edges(&self) -> [Vec<f64>; 2] {
+        [-1.0, 1.0].map(|side| {
+            self.y.iter().zip(&self.deviation).map(|(y, deviation)| y + side * deviation).collect()
+        })
     }
 }
 

@@ -18,7 +18,7 @@ const BAND_HEIGHT_PX: f64 = 10.0;
 /// The sample next to a name.
 #[derive(Debug, Clone, Copy)]
 enum Sample {
-    Line(Role),
+    Line { role: Role, is_shaded: bool },
     Band,
 }
 
@@ -39,7 +39,10 @@ pub(super) struct Legend<'a> {
 impl<'a> Legend<'a> {
     /// Breaks the entries into rows of at most `limit_px`.
     pub(super) fn new(panel: &'a Panel, limit_px: f64) -> Self {
-        let lines = panel.series.iter().map(|series| (Sample::Line(series.role), series.label.as_str()));
+        let lines = panel.series.iter().map(|series| {
+            let sample = Sample::Line { role: series.role, is_shaded: !series.deviation.is_empty() };
+            (sample, series.label.as_str())
+        });
         let bands = panel.band.iter().map(|band| (Sample::Band, band.label.as_str()));
         let (mut offset_px, mut row) = (0.0, 0);
         let mut entries = Vec::new();
@@ -64,7 +67,13 @@ impl<'a> Legend<'a> {
         for entry in &self.entries {
             let (x, y) = (left + entry.offset_px, top + (entry.row as f64 + 0.6) * LINE_PX);
             match entry.sample {
-                Sample::Line(role) => {
+                Sample::Line { role, is_shaded } => {
+                    if is_shaded {
+                        let edges = [y - BAND_HEIGHT_PX / 2.0, y + BAND_HEIGHT_PX / 2.0];
+                        let [low, high] = edges.map(|y| [(x, y), (x + SAMPLE_PX, y)]);
+                        let outline = vec![low[0], low[1], high[1], high[0]];
+                        svg.shade(&path_data(&[outline]), pen(role).colour);
+                    }
                     svg.curve(&path_data(&[vec![(x, y), (x + SAMPLE_PX, y)]]), pen(role), None);
                 }
                 Sample::Band => {

@@ -116,6 +116,13 @@ impl<'a> Prepared<'a> {
 
     /// Draws the curves and returns their strokes, which labels of marks must avoid.
     fn draw_curves(&self, svg: &mut Svg, x_scale: Scale, y_scale: Scale) -> Vec<Vec<Point>> {
+        for series in &self.panel.series {
+            let [low, high] = series.edges().map(|y| strokes(&series.x, &y, x_scale, y_scale));
+            for (low, high) in low.into_iter().zip(high) {
+                let outline: Vec<_> = low.into_iter().chain(high.into_iter().rev()).collect();
+                svg.shade(&path_data(&[outline]), pen(series.role).colour);
+            }
+        }
         let mut drawn = Vec::new();
         for series in &self.panel.series {
             let strokes = strokes(&series.x, &series.y, x_scale, y_scale);
@@ -155,11 +162,13 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The ranges of curves, marks and band.
+/// The ranges of curves, shades, marks and band.
 fn data_spans(panel: &Panel) -> (Span, Span) {
     let (mark_x, mark_y): (Vec<f64>, Vec<f64>) = panel.marks.iter().map(|mark| (mark.x, mark.y)).unzip();
+    let shades: Vec<_> = panel.series.iter().map(|series| (&*series.x, series.edges())).collect();
     let mut curves: Vec<(&[f64], &[f64])> =
         panel.series.iter().map(|series| (&*series.x, &*series.y)).collect();
+    curves.extend(shades.iter().flat_map(|(x, edges)| edges.iter().map(|y| (*x, &**y))));
     curves.push((&mark_x, &mark_y));
     let edges: Vec<f64> = panel.band.iter().flat_map(|band| [band.low, band.high]).collect();
     spans(&curves, &edges)

@@ -96,6 +96,11 @@ impl Svg {
         ));
     }
 
+    /// An area within an outline, in a colour that lets grid and curves show through.
+    pub(super) fn shade(&mut self, data: &str, colour: &str) {
+        self.line(format_args!(r#"<path d="{data}Z" fill="{colour}" fill-opacity="0.15"/>"#));
+    }
+
     /// A ring around a point.
     pub(super) fn ring(&mut self, (x, y): Point, radius_px: f64, colour: &str) {
         let (x, y) = (Px(x), Px(y));

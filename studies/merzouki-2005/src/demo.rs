@@ -1,20 +1,22 @@
-//! The demo: the paper's four runs as a table and a figure.
+//! The demo: the paper's two plants, each under its two laws and under one beyond it, as a table and a figure.
 
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::{Measured, Metric};
 use lashloop_plot::Figure;
 
-use crate::figures::Run;
-use crate::figures::demo::{DemoRuns, PlantRuns, before_after};
-use crate::scenarios::SCENARIOS;
+use crate::figures::demo::{DemoRuns, before_after};
+use crate::figures::{Laws, Run};
+use crate::plan::{PLANS, scenario};
 
-/// The paper's result for each scenario, and the metric to compare it with.
-const PAPER: [(&str, Metric, &str); 4] = [
+/// The paper's result for each scenario, and the metric to compare it with. The paper has no law beyond it.
+const PAPER: [(&str, Metric, &str); 6] = [
     ("smooth plant, before: into 0.05 rad", Metric::SettleTime, "about 13 s"),
     ("smooth plant, after: into 0.05 rad", Metric::SettleTime, "about 5.2 s"),
+    ("smooth plant, beyond: into 0.05 rad", Metric::SettleTime, "-"),
     ("with friction, before: static error", Metric::StaticError, "0.32 rad"),
     ("with friction, after: static error", Metric::StaticError, "eliminated"),
+    ("with friction, beyond: static error", Metric::StaticError, "-"),
 ];
 
 /// File of the figure in its folder.
@@ -25,7 +27,8 @@ pub const FIGURE_FILE: &str = "demo.svg";
 /// # Errors
 /// None, unless a scenario is wrong.
 pub fn scenarios() -> Result<Vec<Scenario>, ScenarioErrors> {
-    SCENARIOS.into_iter().map(|(name, text)| Scenario::from_str(name, text, &[])).collect()
+    let [smooth, friction, ..] = PLANS;
+    [smooth, friction].as_flattened().iter().map(|(source, law)| scenario(*source, *law)).collect()
 }
 
 /// The head of the table.
@@ -59,12 +62,12 @@ fn here(measured: Measured, metric: Metric) -> String {
 /// A run is missing.
 #[must_use]
 pub fn figure(runs: Vec<Run>, scenarios: &[Scenario]) -> Figure {
-    let [smooth_before, smooth_after, friction_before, friction_after] =
-        <[Run; 4]>::try_from(runs).expect("one run for each scenario");
+    let mut runs = runs.into_iter();
+    let mut laws = || {
+        let mut next = || runs.next().expect("one run for each scenario");
+        Laws { before: next(), after: next(), beyond: next() }
+    };
+    let (smooth, friction) = (laws(), laws());
     let dead_zone_rad = scenarios.last().and_then(|it| it.plant.number("dead_zone_rad"));
-    before_after(&DemoRuns {
-        smooth: PlantRuns { before: smooth_before, after: smooth_after },
-        friction: PlantRuns { before: friction_before, after: friction_after },
-        dead_zone_rad: dead_zone_rad.unwrap_or(f64::NAN),
-    })
+    before_after(&DemoRuns { smooth, friction, dead_zone_rad: dead_zone_rad.unwrap_or(f64::NAN) })
 }

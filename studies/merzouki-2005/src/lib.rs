@@ -6,7 +6,7 @@
 //! | [`scenarios`] | the paper's scenarios |
 //! | [`plan`] | the runs of its figures |
 //! | [`mod@figures`] | figures and tables, the paper's next to ours |
-//! | [`demo`] | its four scenarios as a table and a figure; the program `demo` |
+//! | [`demo`] | its two plants under three laws as a table and a figure; the program `demo` |
 
 #![forbid(unsafe_code)]
 

@@ -22,7 +22,11 @@ pub const SHAFT: [Source; 5] = [
     ),
 ];
 
-/// The expectations of a scenario hold for its own control law.
+/// The expectations of a scenario hold for its own control law. That beyond the paper has these instead.
+const EXPECTED_BEYOND: &str = r#"expect=[
+    { metric = "settle_time_s", unit = "s", max = 1.3 },
+    { metric = "overshoot_rad", unit = "rad", max = 0.005 },
+]"#;
 const WITHOUT_EXPECTATIONS: &str = "expect=[]";
 
 const BEFORE: &str = "pd";
@@ -51,8 +55,10 @@ const TWISTS: i32 = 400;
 /// # Errors
 /// The scenario doesn't fit the law.
 pub fn scenario((name, text): Source, law: Option<&str>) -> Result<Scenario, ScenarioErrors> {
-    let overrides =
-        law.map(|law| [Override::Controller(law.to_owned()), Override::Set(WITHOUT_EXPECTATIONS.to_owned())]);
+    let overrides = law.map(|law| {
+        let expected = if law == BEYOND { EXPECTED_BEYOND } else { WITHOUT_EXPECTATIONS };
+        [Override::Controller(law.to_owned()), Override::Set(expected.to_owned())]
+    });
     Scenario::from_str(name, text, overrides.as_ref().map_or(&[], |overrides| overrides))
 }
 

@@ -19,7 +19,7 @@ fn demo_prints_a_table_and_draws_one_figure() {
         assert_eq!(document.root_element().tag_name().name(), "svg");
         let curves =
             document.descendants().filter(|node| matches!(node.tag_name().name(), "path" | "polyline"));
-        assert!(curves.count() >= 4, "a curve for each run at least");
+        assert!(curves.count() >= 6, "a curve for each run at least");
         let files = fs::read_dir(records.out()).expect("the folder").count();
         assert_eq!(files, 1, "one file");
     }

@@ -1,4 +1,4 @@
-//! `lashloop paper demo`: the paper's four runs as a table and a figure.
+//! `lashloop paper demo`: the paper's two plants under three laws, as a table and a figure.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::options::DeviceOption;
 use crate::output::{outln, prepare_folder, write_file};
 use crate::supervision::start_supervisor;
 
-/// Run the paper's four scenarios: a table and a figure, before and after compensation
+/// Run the paper's two plants before and after compensation and under the law beyond the paper: a table and a figure
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]

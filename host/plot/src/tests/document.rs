@@ -105,6 +105,18 @@ fn band_sets_the_scale_of_a_constant_zero() {
 }
 
 #[test]
+fn deviation_is_shaded_around_the_curve_and_within_the_scale() {
+    let y = vec![0.0, 0.0, f64::NAN, 0.0, 0.0];
+    let shaded = series((0..5).map(f64::from).collect(), y).deviation(vec![10.0, 5.0, 5.0, 5.0, 10.0]);
+    let svg = svg_of([shaded.clone()]);
+    let document = Document::parse(&svg).expect("valid XML");
+    assert!(texts(&document).contains(&"10"), "{:?}", texts(&document));
+    let shades: Vec<_> = document.descendants().filter(|node| node.has_attribute("fill-opacity")).collect();
+    assert_eq!(shades.len(), 3, "one in the legend, one on each side of the missing value");
+    assert!(svg_of([series(shaded.x, shaded.y)]).find("fill-opacity").is_none());
+}
+
+#[test]
 fn constant_curve_lies_inside_the_plot() {
     for value in [0.0, 0.16, -1e12, 1e-320, 1e299] {
         let svg = svg_of([series(vec![0.0, 1.0], vec![value; 2])]);

@@ -11,6 +11,7 @@ pub(crate) type Curve<'a> = (&'static str, Role, &'a Run);
 
 /// The drive's signals that the figures show.
 pub(crate) const DEAD_ZONE_ESTIMATE_RAD: &str = "drive.dead_zone_estimate_rad";
+pub(crate) const DEAD_ZONE_DEVIATION_RAD: &str = "drive.dead_zone_deviation_rad";
 pub(crate) const DISTURBING_TORQUE_ESTIMATE_NM: &str = "drive.disturbing_torque_estimate_nm";
 pub(crate) const MOTOR_ERROR_RAD: &str = "drive.motor_error_rad";
 
@@ -93,7 +94,7 @@ pub(crate) fn mark_settling<'a, const N: usize>(
             Some(settled_s) => run.column("time_s").iter().position(|time_s| *time_s >= settled_s),
             None => run.trace.len().checked_sub(1),
         };
-        mark(panel, role, run, row, &format!("{label}{paper}"))
+        mark(panel, role, run, "load_position_rad", row, &format!("{label}{paper}"))
     })
 }
 
@@ -105,13 +106,18 @@ pub(crate) fn mark_static_error<'a, const N: usize>(
 ) -> Panel {
     laws.into_iter().zip(paper).fold(panel, |panel, ((_, role, run), paper)| {
         let label = format!("{} rad{paper}", of(run, Metric::StaticError, 3));
-        mark(panel, role, run, run.trace.len().checked_sub(1), &label)
+        mark_end(panel, role, run, "load_position_rad", &label)
     })
 }
 
-fn mark(panel: Panel, role: Role, run: &Run, row: Option<usize>, label: &str) -> Panel {
+/// Marks the end of a run in a quantity.
+pub(crate) fn mark_end(panel: Panel, role: Role, run: &Run, name: &str, label: &str) -> Panel {
+    mark(panel, role, run, name, run.trace.len().checked_sub(1), label)
+}
+
+fn mark(panel: Panel, role: Role, run: &Run, name: &str, row: Option<usize>, label: &str) -> Panel {
     match row {
-        Some(row) => panel.mark(label, role, run.column("time_s")[row], run.column("load_position_rad")[row]),
+        Some(row) => panel.mark(label, role, run.column("time_s")[row], run.column(name)[row]),
         None => panel,
     }
 }

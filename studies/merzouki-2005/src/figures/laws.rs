@@ -21,7 +21,7 @@ pub struct Laws {
     pub before: Run,
     /// The cascade with the paper's compensation.
     pub after: Run,
-    /// The fastest law, which inverts the gap along a braking curve.
+    /// The law beyond the paper, which inverts the gap along a braking curve.
     pub beyond: Run,
 }
 
@@ -72,7 +72,7 @@ impl Laws {
         [
             ("before: PD", Role::Before, &self.before),
             ("after: compensation", Role::After, &self.after),
-            ("beyond: braking curve", Role::Other(0), &self.beyond),
+            ("beyond the paper: braking-curve", Role::Other(0), &self.beyond),
         ]
     }
 }

@@ -2,7 +2,7 @@
 //! 973-983), with the paper's axes and units, and our numbers in the captions.
 //!
 //! Each figure shows three laws on the same plant: the PD cascade ("before"), the paper's compensation ("after") and the law
-//! that inverts the gap in the torque domain ("beyond"). A caption states where our result differs from the paper.
+//! that inverts the gap in the torque domain ("beyond the paper"). A caption states where our result differs from the paper.
 //!
 //! | figure | file | of |
 //! |---|---|---|
@@ -10,7 +10,7 @@
 //! | 7 to 12 | `simulation` | load and motor on the smooth plant |
 //! | 13 | `hysteresis` | motor against load |
 //! | 15 to 17 | `experiment` | load and torque with friction |
-//! | | [`demo`] | the figure of the demo, before and after |
+//! | | [`demo`] | the figure of the demo |
 //! | | `table` | the numbers, the paper's next to ours |
 //! | | `comparison` | figures 7 and 15 to 17 and the numbers, simulation next to experiment |
 //! | | `page` | figures and tables as one HTML page |

@@ -18,7 +18,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/link", 1_600),
     ("host/live", 950),
     ("host/plant", 4_300),
-    ("host/plot", 950),
+    ("host/plot", 1_000),
     ("host/record", 3_710),
     ("host/report", 3_550),
     ("host/session", 2_900),
