@@ -67,6 +67,7 @@
 mod bench;
 mod error;
 pub mod execution;
+pub mod margins;
 mod outcome;
 pub mod replay;
 pub mod rig;

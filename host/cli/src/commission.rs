@@ -1,6 +1,7 @@
 //! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
 
 use std::cell::RefCell;
+use std::f64::consts::TAU;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,7 @@ use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
+use lashloop_plant::reference::Reference;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
 use lashloop_record::summary::Summary;
@@ -23,6 +25,7 @@ use super::commission_motor;
 use super::encoder_errors::EncoderErrors;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
+use super::margins;
 use super::options::{RigOption, plants};
 use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
 use super::supervision::start_supervisor;
@@ -33,8 +36,9 @@ use lashloop::rig::{Rig, TakenRig};
 use lashloop_hardware::commission::{
     MotionError, OnDevice, RecordError, RunRecord, set_pin, settings, stated,
 };
-use lashloop_hardware::identify::files::{INSTRUMENTS_FILE, motor_toml, table};
+use lashloop_hardware::identify::files::{DriveUse, INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
+use lashloop_hardware::identify::reach;
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -228,9 +232,18 @@ impl Arguments {
             "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
         );
         outln!("{}", table(&identified).trim_end());
+        let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
+        let of_drive = DriveUse { mode: template.run.mode, torque_limit_nm: limits.torque_nm };
         if let Some(folder) = &self.out {
-            let offers = |name: &str| drive_train.drive.device().session.parameter(name).is_some();
-            write_estimates(folder, &identified, template.run.mode, &motor_lines, offers)?;
+            write_estimates(folder, &identified, of_drive, &motor_lines, offers)?;
+        }
+        if identified.is_followed() {
+            let settings = reach::settings(&identified, of_drive, &limits, offers);
+            let mut reach = self.reach(rig.as_ref().map(|it| &it.rig), &settings, bench)?;
+            for (name, value) in &*found.borrow() {
+                set_pin(&mut reach, name, *value);
+            }
+            self.first_reach(&reach, bench)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }
@@ -313,6 +326,36 @@ impl Arguments {
             encoder_error_rad: self.encoder_errors.or(of_rig, of_template.encoder_error_rad),
             ..of_template
         }
+    }
+
+    /// The scenario of the first reach.
+    fn reach(&self, rig: Option<&Rig>, settings: &[String], bench: &Bench) -> Result<Scenario, CliError> {
+        let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
+        let of_rig = rig.map(encoders_of).unwrap_or_default();
+        let settings = self.set.iter().cloned().chain(of_rig).chain(settings.iter().cloned());
+        let overrides: Vec<_> =
+            mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect();
+        Ok(match &self.scenario {
+            Some(file) => Scenario::from_file_with(file, &overrides, &plants(bench))?,
+            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &overrides, &plants(bench))?,
+        })
+    }
+
+    /// Prints what the law makes of the estimates, and writes the reach that confirms it.
+    fn first_reach(&self, reach: &Scenario, bench: &Bench) -> Result<(), CliError> {
+        let found = margins::of(bench, reach)?;
+        let Reference::Constant { position_rad } = reach.reference else { return Ok(()) };
+        outln!("\nfirst reach          {position_rad} rad with {}, on the estimated plant", reach::LAW);
+        outln!("{}", margins::text(&found));
+        let (Some(folder), Some(settle_time_s)) = (&self.out, found.settle_time_s) else { return Ok(()) };
+        let text = reach.to_toml().map_err(system("write the scenario as TOML"))?;
+        let resolution_rad = TAU / f64::from(reach.encoders.load_counts_per_rev);
+        let expectations = Override::Set(reach::expectations(settle_time_s, resolution_rad));
+        let reach = Scenario::from_str_with(&reach.name, &text, &[expectations], &plants(bench))?;
+        let file = folder.join(reach::REACH_FILE);
+        write_file(&file, &reach.to_toml().map_err(system("write the scenario as TOML"))?)?;
+        outln!("{}", file.display());
+        Ok(())
     }
 
     /// The scenario of motions with these settings.

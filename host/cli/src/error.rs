@@ -214,6 +214,16 @@ impl From<ExecutionError> for CliError {
     }
 }
 
+impl From<lashloop::Error> for CliError {
+    fn from(error: lashloop::Error) -> Self {
+        match error {
+            lashloop::Error::Scenario(errors) => Self::Scenario(errors),
+            lashloop::Error::Run(error) => error.into(),
+            other => system("simulate the loop")(other),
+        }
+    }
+}
+
 impl From<LockError> for CliError {
     fn from(error: LockError) -> Self {
         Self::Rig(error.into())

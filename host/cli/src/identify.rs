@@ -10,6 +10,7 @@ use lashloop_identify::{Identified, Instruments, Start};
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
+use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 use lashloop_record::file_names::SCENARIO_FILE;
 use lashloop_record::json_file::write_json;
 use lashloop_record::manifest::Manifest;
@@ -21,7 +22,7 @@ use super::options::plants;
 use super::output::{outln, prepare_folder, print_json, write_file};
 use lashloop::Bench;
 use lashloop_hardware::identify::files::{
-    DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
+    DRIVE_FILE, DriveUse, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
 };
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use lashloop_hardware::identify::record::{directions_in_force, series};
@@ -86,7 +87,8 @@ impl Arguments {
              {torque_delay_us} us\n"
             );
         }
-        let (mut motions, mut mode) = (Vec::new(), RunMode::Bench);
+        let mut motions = Vec::new();
+        let mut of_drive = DriveUse { mode: RunMode::Bench, torque_limit_nm: 0.0 };
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
             let Manifest { mode: of_record, parameters, .. } = &record.manifest;
@@ -94,8 +96,11 @@ impl Arguments {
             let in_force = directions_in_force(*of_record, choice);
             motions.push(series(&record.trace, &instruments, *of_record, in_force).map_err(unfit)?);
             if of_record.is_hil() {
-                mode = *of_record;
+                of_drive.mode = *of_record;
             }
+            let limit_nm =
+                parameters.iter().find(|it| it.name == TORQUE_LIMIT_NM).map(|it| f64::from(it.value));
+            of_drive.torque_limit_nm = of_drive.torque_limit_nm.max(limit_nm.unwrap_or_default());
         }
         let start = match (&self.start, &of_record) {
             (Some(file), _) => start(file, bench)?,
@@ -110,7 +115,7 @@ impl Arguments {
         }
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
-            write_estimates(folder, &identified, mode, "", |_| true)?;
+            write_estimates(folder, &identified, of_drive, "", |_| true)?;
         }
         Ok(Exit::Pass)
     }
@@ -170,12 +175,12 @@ fn scenario(folder: &Path, bench: &Bench) -> Result<Scenario, String> {
 pub(super) fn write_estimates(
     folder: &Path,
     identified: &Identified,
-    mode: RunMode,
+    of_drive: DriveUse,
     motor: &str,
     offers: impl Fn(&str) -> bool,
 ) -> Result<(), CliError> {
     write_file(&folder.join(PLANT_FILE), &plant_toml(identified))?;
-    write_file(&folder.join(DRIVE_FILE), &(drive_toml(identified, mode, offers) + motor))?;
+    write_file(&folder.join(DRIVE_FILE), &(drive_toml(identified, of_drive, offers) + motor))?;
     write_json(&folder.join(ESTIMATES_FILE), ".estimates-", identified)?;
     for name in [PLANT_FILE, DRIVE_FILE, ESTIMATES_FILE] {
         outln!("{}", folder.join(name).display());

@@ -34,6 +34,7 @@ mod error;
 mod export;
 mod flash;
 mod identify;
+mod margins;
 mod monitor;
 mod one_run;
 mod options;
@@ -76,7 +77,7 @@ registry::commands! {
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
-    "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
+    "Qualify a drive, a line or this machine": Margins(margins), Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
     "Set up a shell": Completions(completions);
 }

@@ -8,6 +8,8 @@ use crate::prior::Prior;
 use crate::quantity::{DEVIATIONS, Estimate, Quantity};
 use crate::series::Instruments;
 
+/// Standard deviations of half an interval of 95 % of a normal error.
+const NORMAL_DEVIATIONS: f64 = 1.96;
 /// Widest interval of a phase that is reported, as half of it in rad.
 const WIDEST_PHASE_RAD: f64 = 1.0;
 /// Standard deviation of what the motions show, as a fraction of the one before, from which they don't show it.
@@ -49,6 +51,34 @@ fn is_shown(fit: &Fit, prior: &Prior, parameter: Parameter) -> bool {
 fn deviation(fit: &Fit, parameter: Parameter) -> f64 {
     let at = parameter as usize;
     fit.covariance[(at, at)].max(0.0).sqrt()
+}
+
+/// Standard deviations in N m of what is unknown of the torque; `None` where the motions show too little of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TorqueDoubt {
+    /// Of the offset, once the estimate of it is taken away.
+    pub offset_nm: Option<f64>,
+    /// Of the torque that repeats in every turn, with the cogging left as it is.
+    pub ripple_nm: Option<f64>,
+    /// The same with the cogging taken away; `None` too if its phase isn't known.
+    pub compensated_ripple_nm: Option<f64>,
+}
+
+impl TorqueDoubt {
+    pub(crate) fn new(fit: &Fit, prior: &Prior, phase: Option<Estimate>) -> Self {
+        // Quantisation isn't normally distributed, so the deviations of the fit are too small, as half an interval is too narrow.
+        const WIDER: f64 = DEVIATIONS / NORMAL_DEVIATIONS;
+        let cogging = Wave::of(fit, Parameter::COGGING);
+        let is_cogging_shown = Parameter::COGGING.iter().all(|it| is_shown(fit, prior, *it));
+        let variance = WIDER * WIDER * cogging.variance;
+        let ripple = |amplitude_nm: f64| (0.5 * (amplitude_nm.powi(2) + variance)).sqrt();
+        Self {
+            offset_nm: is_shown(fit, prior, Parameter::TorqueOffset)
+                .then(|| WIDER * deviation(fit, Parameter::TorqueOffset)),
+            ripple_nm: is_cogging_shown.then(|| ripple(cogging.amplitude)),
+            compensated_ripple_nm: phase.filter(|_| is_cogging_shown).map(|_| ripple(0.0)),
+        }
+    }
 }
 
 /// Amplitude A and phase p of A sin(angle + p) from its parts of cosine and sine.
@@ -146,24 +176,29 @@ pub(crate) fn quantities(fit: &Fit, prior: &Prior, instruments: &Instruments) ->
         low: remains(amplitude.low),
         high: remains(amplitude.high),
     });
+    let of_drive = |of: Quantity| Quantity { drive_parameter: Some(of.name), ..of };
+    // Without its phase a law can't take the cogging away.
+    let of_known_phase = |of: Quantity| if shown(phase).is_some() { of_drive(of) } else { of };
     let mut all = vec![
-        Quantity {
-            drive_parameter: Some("torque_offset_nm"),
-            ..key(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset))
-        },
-        key(quantity("cogging_nm", "N m", "amplitude of the cogging", shown(Some(amplitude)))),
-        key(quantity(
+        of_drive(key(quantity("torque_offset_nm", "N m", "offset of the torque at the motor", offset))),
+        of_known_phase(key(quantity(
+            "cogging_nm",
+            "N m",
+            "amplitude of the cogging",
+            shown(Some(amplitude)),
+        ))),
+        of_known_phase(key(quantity(
             "cogging_per_turn",
             "",
             "periods of the cogging per turn of the motor",
             shown(per_turn),
-        )),
-        quantity(
+        ))),
+        of_known_phase(quantity(
             "cogging_phase_rad",
             "rad",
             "phase of the cogging at the motor encoder's zero",
             shown(phase),
-        ),
+        )),
         quantity(
             "torque_uncertainty_nm",
             "N m",

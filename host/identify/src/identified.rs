@@ -4,7 +4,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 use serde::Serialize;
 
-use crate::errors::{self, EncoderError};
+use crate::errors::{self, EncoderError, TorqueDoubt};
 use crate::fit::{Fit, follows};
 use crate::parameters::{COUNT, Parameter, Vector};
 use crate::prior::Prior;
@@ -28,6 +28,8 @@ pub struct Identified {
     pub quantities: Vec<Quantity>,
     /// Where the errors of motor and load encoder within a turn are from.
     pub encoder_errors: [EncoderError; 2],
+    /// What is unknown of the torque.
+    pub torque_doubt: TorqueDoubt,
     /// Root mean square of what the model leaves of the counts of motor and load.
     pub residual_counts: [f64; 2],
     /// Root mean square of what step and delay of the torque explain of it.
@@ -73,11 +75,13 @@ impl Identified {
     pub(crate) fn new(fit: &Fit, prior: &Prior, directions: Directions, instruments: &Instruments) -> Self {
         let vector = &fit.point.vector;
         let mechanical = DEFINITIONS.iter().map(|it| it.quantity(fit));
-        let quantities = mechanical.chain(errors::quantities(fit, prior, instruments)).collect();
+        let quantities: Vec<_> = mechanical.chain(errors::quantities(fit, prior, instruments)).collect();
+        let phase = quantities.iter().find(|it| it.name == "cogging_phase_rad").and_then(|it| it.estimate);
         Self {
             directions,
             instruments: *instruments,
             quantities,
+            torque_doubt: TorqueDoubt::new(fit, prior, phase),
             encoder_errors: errors::encoder_errors(fit, prior, instruments.encoder_error_rad),
             residual_counts: fit.residual_counts,
             explained_counts: fit.explained_counts,

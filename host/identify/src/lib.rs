@@ -52,7 +52,7 @@ mod series;
 mod signs;
 mod staged;
 
-pub use errors::{EncoderError, Source};
+pub use errors::{EncoderError, Source, TorqueDoubt};
 pub use identified::Identified;
 pub use identify::{IdentifyError, Start, identify};
 pub use quantity::{CONFIDENCE, Estimate, Quantity};

@@ -16,6 +16,7 @@ mod exec_drives;
 mod exit_codes;
 mod experiment;
 mod fault_table;
+mod first_reach;
 mod hostile;
 mod idle;
 mod link_faults;

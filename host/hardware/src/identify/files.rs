@@ -21,6 +21,9 @@ pub const INSTRUMENTS_FILE: &str = "instruments.json";
 
 /// Digits of an estimate: to a thirtieth of its interval.
 fn digits(estimate: &Estimate, value: f64) -> String {
+    if estimate.low == estimate.high {
+        return format!("{value:?}");
+    }
     let half = 0.5 * (estimate.high - estimate.low).abs().max(f64::MIN_POSITIVE);
     let size = estimate.value.abs().max(half);
     let digits = ((size / half).log10() + 1.5).ceil().clamp(2.0, 10.0) as usize;
@@ -156,19 +159,75 @@ fn encoders(identified: &Identified, heading: &str) -> String {
     )
 }
 
+/// How the drive is used that takes the estimates.
+#[derive(Debug, Clone, Copy)]
+pub struct DriveUse {
+    /// HIL mode or bench mode: in HIL mode nothing shows the encoders at the pins.
+    pub mode: RunMode,
+    /// The drive's `torque_limit_nm`, of which its parameters `torque_offset_deviation` and `torque_ripple_deviation` are fractions.
+    pub torque_limit_nm: f64,
+}
+
+/// A parameter of a drive with where it is from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriveParameter {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value in TOML.
+    pub value: String,
+    /// Its interval, or what it follows from.
+    pub remark: String,
+    /// Whether it holds after the drive's next start.
+    pub lasts: bool,
+}
+
+/// The parameters of a drive's laws that follow from the estimates.
+#[must_use]
+pub fn drive_parameters(identified: &Identified, of: DriveUse) -> Vec<DriveParameter> {
+    // An encoder without an index is at its zero wherever the drive starts, and the cogging at another phase.
+    let lasts = |name: &str| of.mode.is_hil() || !name.starts_with("cogging_");
+    let mut all: Vec<_> = identified
+        .quantities
+        .iter()
+        .filter_map(|quantity| {
+            let (name, it) = (quantity.drive_parameter?, quantity.estimate?);
+            let [low, high] = [it.low, it.high].map(|value| digits(&it, value));
+            let remark = format!("{low} to {high} {}", quantity.unit).trim_end().to_owned();
+            Some(DriveParameter { name, value: digits(&it, it.value), remark, lasts: lasts(name) })
+        })
+        .collect();
+    let doubt = identified.torque_doubt;
+    let ripple_nm = doubt.compensated_ripple_nm.filter(|_| lasts("cogging_nm")).or(doubt.ripple_nm);
+    let deviations = [("torque_offset_deviation", doubt.offset_nm), ("torque_ripple_deviation", ripple_nm)];
+    let limit_nm = of.torque_limit_nm;
+    all.extend(deviations.into_iter().filter_map(|(name, deviation_nm)| {
+        let deviation_nm = deviation_nm.filter(|_| limit_nm > 0.0)?;
+        let value = format!("{:.2e}", deviation_nm / limit_nm);
+        let remark = format!("{deviation_nm:.2e} N m of a torque_limit_nm of {limit_nm}");
+        Some(DriveParameter { name, value, remark, lasts: true })
+    }));
+    let delay_s = f64::from(identified.instruments.torque_delay_us) / 1e6;
+    let lag_s = identified.quantity("current_lag_ms").and_then(|it| it.estimate).map(|it| it.value / 1e3);
+    all.extend(lag_s.map(|lag_s| DriveParameter {
+        name: "torque_lag_s",
+        value: format!("{:.6}", delay_s + lag_s),
+        remark: format!("delay of {delay_s} s and lag of {lag_s:.6} s"),
+        lasts: true,
+    }));
+    all
+}
+
 /// The parameters of a drive that are estimated, as far as `offers` has their names. Motions in HIL mode show nothing of the
 /// encoders at the pins, so it has no directions then.
 #[must_use]
-pub fn drive_toml(identified: &Identified, mode: RunMode, offers: impl Fn(&str) -> bool) -> String {
+pub fn drive_toml(identified: &Identified, of: DriveUse, offers: impl Fn(&str) -> bool) -> String {
     let mut text = "# Estimates of `lashloop`, for `lashloop parameters restore`.\n".to_owned();
-    let mut line = |name: &str, value: String, remark: &str| {
-        let prefix = if offers(name) { "" } else { "# the drive lacks it: " };
+    let mut line = |prefix: &str, name: &str, value: &str, remark: &str| {
+        let prefix = if offers(name) { prefix } else { "# the drive lacks it: " };
         let _ = writeln!(text, "{prefix}{:<44} # {remark}", format!("{name} = {value}"));
     };
-    for quantity in &identified.quantities {
-        let (Some(name), Some(it)) = (quantity.drive_parameter, &quantity.estimate) else { continue };
-        let [low, high] = [it.low, it.high].map(|value| digits(it, value));
-        line(name, digits(it, it.value), format!("{low} to {high} {}", quantity.unit).trim_end());
+    for DriveParameter { name, value, remark, lasts } in drive_parameters(identified, of) {
+        line(if lasts { "" } else { "# until the drive is switched off: " }, name, &value, &remark);
     }
     let directions =
         [("motor_direction", identified.directions.motor), ("load_direction", identified.directions.load)];
@@ -178,8 +237,8 @@ pub fn drive_toml(identified: &Identified, mode: RunMode, offers: impl Fn(&str) 
             Some(Direction::Reverse) => "\"reverse\"",
             None => continue,
         };
-        if !mode.is_hil() {
-            line(name, word.to_owned(), "as the encoder is wired");
+        if !of.mode.is_hil() {
+            line("", name, word, "as the encoder is wired");
         }
     }
     text + &encoders(identified, "")

@@ -6,7 +6,7 @@ use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::{Override, RunMode, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_hardware::commission::{OnDevice, settings};
-use lashloop_hardware::identify::files::{drive_toml, plant_toml, table};
+use lashloop_hardware::identify::files::{DriveUse, drive_toml, plant_toml, table};
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Limits, commission};
 use lashloop_identify::{Identified, Instruments, Start};
 
@@ -48,6 +48,10 @@ fn commissioned(
         record: &mut |_| Ok(()),
     };
     commission(&mut drive_train, &instruments, limits, 1000, &Start::default())
+}
+
+fn of_drive(mode: RunMode) -> DriveUse {
+    DriveUse { mode, torque_limit_nm: LIMITS.torque_nm }
 }
 
 /// Asserts that the interval of a quantity contains a value and is no wider than a fraction of it.
@@ -94,7 +98,7 @@ fn runs_of_the_open_loop_law_show_the_plant_of_the_scenario() {
     let stiffness_nm_rad = scenario.plant.number("stiffness_nm_rad").expect("a number");
     assert!((stiffness_nm_rad - 1.4).abs() < 1e-3, "{stiffness_nm_rad}");
 
-    let parameters = drive_toml(&identified, RunMode::Bench, |name| name != "load_direction");
+    let parameters = drive_toml(&identified, of_drive(RunMode::Bench), |name| name != "load_direction");
     assert!(parameters.contains("\nmotor_direction = \"forward\""), "{parameters}");
     assert!(parameters.contains("\n# the drive lacks it: load_direction = \"forward\""), "{parameters}");
 }
@@ -110,11 +114,11 @@ fn bench_mode_shows_the_same_plant_behind_the_pins() {
         "plant.initial.motor_position_rad=4.0",
     ];
     let Commissioned { identified, .. } = commissioned(&LIMITS, &bench).expect("estimates");
-    let parameters = drive_toml(&identified, RunMode::Bench, |_| true);
+    let parameters = drive_toml(&identified, of_drive(RunMode::Bench), |_| true);
     for name in ["motor_direction", "load_direction"] {
         assert!(parameters.contains(&format!("\n{name} = \"forward\"")), "{parameters}");
     }
-    assert!(!drive_toml(&identified, RunMode::Hil, |_| true).contains("_direction"));
+    assert!(!drive_toml(&identified, of_drive(RunMode::Hil), |_| true).contains("_direction"));
     // The duty is in steps, so the torque is only nearly what the drive commands.
     for (name, truth) in [("stiffness_nm_rad", 1.4), ("gap_width_rad", 0.18), ("reduction_ratio", 4.0)] {
         let likely = identified.likely(name).expect(name);

@@ -2,4 +2,7 @@
 
 mod commissioned;
 mod gated;
+mod hidden_machines;
+#[path = "../../../identify/tests/identify/hidden_plants/hidden.rs"]
+mod hidden_plants;
 mod recorded;

@@ -1,0 +1,168 @@
+//! Machines of the harder battery's ranges: commissioned, told to the law, and moved, none of their parameters known before.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use lashloop::{Bench, Outcome, Scenario, run};
+use lashloop_bench::scenario::{Override, RunMode};
+use lashloop_hardware::identify::files::DriveUse;
+use lashloop_hardware::identify::reach;
+use lashloop_identify::excitation::{Limits, commission};
+use lashloop_identify::{Identified, Start};
+use lashloop_plant::Mechanics;
+use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
+use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
+
+use crate::hidden_plants::{Errors, HiddenPlant};
+
+const SCENARIO: &str = include_str!("../../../../scenarios/commission.toml");
+/// A machine takes some 7 s of a core, so the whole test command has a few of them.
+const SEEDS: Range<u64> = 9000..9004;
+/// Variable of the environment with other seeds, `FIRST..END`.
+const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
+const LIMITS: Limits =
+    Limits { torque_nm: 20.0, motor_speed_rad_s: 1000.0, load_speed_rad_s: 10.0, load_travel_rad: 1.5 };
+const ENCODER_ERROR_RAD: [f64; 2] = [0.03, 0.01];
+
+/// A machine, and what a data sheet says of it: the ratio, and the load within a factor of 20.
+fn machine(seed: u64) -> (HiddenPlant, Start) {
+    let mut random = Pcg64Mcg::seed_from_u64(2_000_000 + seed);
+    let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
+    let ratio = within(3.0_f64.ln(), 100.0_f64.ln()).exp();
+    let mut logarithmic = |low: f64, high: f64| within(low.ln(), high.ln()).exp();
+    let (paper, shaft) = (Mechanics::paper(), ShaftParameters::paper());
+    let scale = ratio / paper.ratio;
+    let start = Start {
+        mechanics: Mechanics {
+            ratio,
+            load_inertia_kg_m2: scale * paper.load_inertia_kg_m2,
+            load_friction_nm_s_rad: scale * paper.load_friction_nm_s_rad,
+            ..paper
+        },
+        shaft: ShaftParameters {
+            load: StribeckParameters {
+                coulomb_nm: scale * shaft.load.coulomb_nm,
+                stiction_nm: scale * shaft.load.stiction_nm,
+                ..shaft.load
+            },
+            ..shaft
+        },
+    };
+    let mut plant = HiddenPlant::draw(seed);
+    plant.mechanics.ratio = ratio;
+    plant.mechanics.load_inertia_kg_m2 = ratio * logarithmic(0.125, 50.0);
+    plant.mechanics.load_friction_nm_s_rad = ratio * logarithmic(0.267, 26.7);
+    plant.shaft.load.coulomb_nm = ratio * logarithmic(0.0567, 5.67);
+    plant.shaft.motor.coulomb_nm = logarithmic(0.02, 0.2);
+    plant.counts_per_rev = [0, 1].map(|_| logarithmic(4000.0, 131_072.0) as u32);
+    plant.shaft.load.stiction_nm = plant.shaft.load.coulomb_nm * within(1.0, 1.5);
+    plant.shaft.motor.stiction_nm = plant.shaft.motor.coulomb_nm * within(1.0, 1.5);
+    plant.shaft.load_asymmetry = within(-0.3, 0.3);
+    plant.shaft.current_lag_s = within(0.0, 0.002);
+    let errors = Errors {
+        offset_nm: within(-0.01, 0.01) * LIMITS.torque_nm,
+        cogging_nm: within(0.0, 0.005) * LIMITS.torque_nm,
+        per_turn: within(1.0, 49.0) as u32,
+        eccentricity_rad: ENCODER_ERROR_RAD.map(|it| within(0.0, it)),
+        turned_rad: 0.0,
+        noise_counts: within(0.0, 1.0),
+    };
+    (plant.with_errors(errors, ENCODER_ERROR_RAD), start)
+}
+
+/// The machine as a scenario has it.
+fn truth(plant: &HiddenPlant) -> Vec<String> {
+    const KEYS: [&str; 19] = [
+        "motor_inertia_kg_m2",
+        "motor_friction_nm_s_rad",
+        "load_inertia_kg_m2",
+        "load_friction_nm_s_rad",
+        "stiffness_nm_rad",
+        "dead_zone_rad",
+        "reduction_ratio",
+        "shaft_damping_nm_s_rad",
+        "load_coulomb_nm",
+        "load_stiction_nm",
+        "load_stribeck_rad_s",
+        "load_friction_asymmetry",
+        "motor_coulomb_nm",
+        "motor_stiction_nm",
+        "motor_stribeck_rad_s",
+        "current_lag_ms",
+        "torque_offset_nm",
+        "cogging_nm",
+        "cogging_per_turn",
+    ];
+    let mut settings: Vec<_> = KEYS.map(|key| format!("plant.{key}={:?}", plant.truth(key))).into();
+    let [motor, load] = plant.errors.eccentricity_rad;
+    settings.push(format!("encoders.motor_eccentricity_rad={motor:?}"));
+    settings.push(format!("encoders.load_eccentricity_rad={load:?}"));
+    settings.push(format!("encoders.noise_counts={:?}", plant.errors.noise_counts));
+    settings
+}
+
+fn moved(plant: &HiddenPlant, identified: &Identified, more: &[&str]) -> Outcome {
+    let of = DriveUse { mode: RunMode::Hil, torque_limit_nm: LIMITS.torque_nm };
+    let [motor, load] = plant.counts_per_rev;
+    let encoders = format!("encoders={{ motor_counts_per_rev = {motor}, load_counts_per_rev = {load} }}");
+    let settings = [encoders].into_iter().chain(reach::settings(identified, of, &LIMITS, |_| true));
+    let settings = settings.chain(truth(plant)).chain(more.iter().map(|it| (*it).to_owned()));
+    let settings: Vec<_> = settings.map(Override::Set).collect();
+    let scenario = Scenario::from_str("hidden.toml", SCENARIO, &settings).expect("a scenario");
+    run(&scenario, &Bench::new().device("inproc").expect("a device")).expect("an outcome")
+}
+
+#[test]
+fn hidden_machines_settle_with_the_gains_of_their_estimates() {
+    let mut text = String::new();
+    let mut failures = 0;
+    let given = std::env::var(VARIABLE).ok();
+    let seeds = given.map_or(SEEDS, |text| {
+        let (first, end) = text.split_once("..").expect("FIRST..END");
+        first.parse().expect("a number")..end.parse().expect("a number")
+    });
+    for seed in seeds {
+        let (mut plant, start) = machine(seed);
+        let instruments = plant.instruments();
+        let commissioned = match commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &start)
+        {
+            Ok(it) => it,
+            Err(error) => {
+                let _ = writeln!(
+                    text,
+                    "{seed}: {:?} counts, ratio {:.1}: {error}",
+                    plant.counts_per_rev, plant.mechanics.ratio
+                );
+                continue;
+            }
+        };
+        let identified = commissioned.identified;
+        let outcome = moved(&plant, &identified, &[]);
+        let metric = |outcome: &Outcome, name: &str| outcome.metric(name).unwrap_or(f64::NAN);
+        let moves = [
+            "run.duration_s=30",
+            "reference={ profile = 'table', file = '../../scenarios/alternating-moves.csv', interpolation = 'hold' }",
+        ];
+        let to_and_fro = moved(&plant, &identified, &moves);
+        let settled = metric(&outcome, "settle_time_5pct_s");
+        failures += u32::from(settled.is_nan());
+        let _ = writeln!(
+            text,
+            "{seed}: {:?} counts, ratio {:.1}, load {:.2}, followed {}, {}: settles {settled:.3} s, hunting {:.2e} rad; gap {:.1} of {:.1} mrad, {:?} nm ripple, to and fro {} {:.1} mrad, deviation {:.1}",
+            plant.counts_per_rev,
+            plant.mechanics.ratio,
+            plant.mechanics.load_inertia_kg_m2 / plant.mechanics.ratio / 2.5,
+            identified.is_followed(),
+            outcome.details().end,
+            metric(&outcome, "hunting_rad"),
+            1e3 * identified.likely("dead_zone_rad").unwrap_or(f64::NAN),
+            1e3 * plant.mechanics.dead_zone_rad,
+            identified.torque_doubt,
+            to_and_fro.details().end,
+            1e3 * metric(&to_and_fro, "dead_zone_error_rad"),
+            1e3 * metric(&to_and_fro, "dead_zone_deviation_rad"),
+        );
+    }
+    print!("{text}");
+    assert_eq!(failures, 0, "{text}");
+}
