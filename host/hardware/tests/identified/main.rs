@@ -3,6 +3,7 @@
 mod commissioned;
 mod gated;
 mod hidden_machines;
+#[expect(dead_code, reason = "the coverage of the intervals has the rest")]
 #[path = "../../../identify/tests/identify/hidden_plants/hidden.rs"]
 mod hidden_plants;
 mod recorded;
