@@ -14,7 +14,7 @@ use crate::paths;
 /// The oldest Python the package runs with, as `requires-python` in its `pyproject.toml` has it.
 const OLDEST: (u32, u32) = (3, 10);
 
-/// Creates the virtual environment with the package, editable, and its pinned test dependencies.
+/// Creates the virtual environment with the package, editable, and its pinned test dependencies, those in JavaScript too.
 ///
 /// # Errors
 /// What could not be installed, and what to do.
@@ -24,6 +24,12 @@ pub(crate) fn set_up() -> Result<()> {
         "pip install --quiet --disable-pip-version-check --no-compile --retries 2 --timeout 30 --editable .[test,browser]",
     ))
     .context("the Python package could not be installed into target/python: is there a network?")?;
+    for file in READERS {
+        fs::copy(readers().join(file), environment().join(file)).context("target/python can't be written")?;
+    }
+    let npm = "ci --ignore-scripts --no-audit --no-fund --loglevel=error";
+    run(command(environment().join("bin/npm"), npm).current_dir(environment()))
+        .context("the readers of MCAP in JavaScript could not be installed into target/python")?;
     fs::write(installed(), manifest()?).context("target/python can't be written")
 }
 
@@ -87,18 +93,29 @@ impl Project {
     }
 }
 
+/// What is installed: the text of `pyproject.toml` and that of the lock file of the readers.
 fn manifest() -> Result<String> {
-    fs::read_to_string(Project::Package.folder().join("pyproject.toml"))
-        .context("clients/python has no pyproject.toml")
+    let files = [Project::Package.folder().join("pyproject.toml"), readers().join(READERS[1])];
+    let texts = files
+        .iter()
+        .map(|path| fs::read_to_string(path).with_context(|| format!("{} can't be read", path.display())));
+    texts.collect()
+}
+
+/// The packages of the readers of MCAP in JavaScript.
+const READERS: [&str; 2] = ["package.json", "package-lock.json"];
+
+fn readers() -> PathBuf {
+    Project::Package.folder().join("tests/readers")
 }
 
 fn environment() -> PathBuf {
     paths::root().join("target/python")
 }
 
-/// A copy of the `pyproject.toml` that was installed.
+/// A copy of the manifest that was installed.
 fn installed() -> PathBuf {
-    environment().join("installed-pyproject.toml")
+    environment().join("installed-manifest.txt")
 }
 
 fn interpreter() -> PathBuf {

@@ -53,7 +53,7 @@ SUMMARY = {"verdict": "FAIL", "metrics": {"settle_time_s": 0.001, "lost_motion_r
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """The record of a run of three steps."""
+    """The record of a run of three steps, of format 2: messages of ROS 1 at times from 0."""
     with (tmp_path / "run.mcap").open("wb") as file:
         writer = Writer(file)
         writer.start("ros1", "lashloop")

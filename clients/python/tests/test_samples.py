@@ -41,16 +41,18 @@ def test_any_reader_of_mcap_finds_schemas_samples_and_attachments(folder: Path) 
     assert json.loads(attached["record.json"]) == Record.read(folder).manifest
     assert attached["scenario.toml"] == (folder / "scenario.toml").read_bytes()
     assert json.loads(attached["summary.json"]) == Record.read(folder).summary
-    assert [message.log_time for _, _, message in messages] == [step * 1_000_000 for step in range(1500)]
+    start_ns = int(messages[0][1].metadata["start_ns"])
+    assert [message.log_time for _, _, message in messages] == [start_ns + step * 1_000_000 for step in range(1500)]
     schema, channel, last = messages[-1]
     assert schema is not None
-    assert (schema.encoding, channel.message_encoding, channel.topic) == ("ros1msg", "ros1", "/step")
+    assert (schema.encoding, channel.message_encoding, channel.topic) == ("ros2msg", "cdr", "/step")
     fields = schema.data.decode().splitlines()
     assert fields[:2] == [
         "float64 reference_rad # reference_rad [rad]",
         "float64 load_position_rad # load_position_rad [rad]",
     ]
-    assert struct.unpack_from("<d", last.data, 8)[0] == Record.read(folder)["load_position_rad"][-1]
+    assert last.data[:4] == b"\x00\x01\x00\x00"
+    assert struct.unpack_from("<d", last.data, 4 + 8)[0] == Record.read(folder)["load_position_rad"][-1]
 
 
 def test_the_csv_of_a_run_is_its_samples(folder: Path, tmp_path: Path) -> None:

@@ -15,7 +15,8 @@ use lashloop::Bench;
 
 /// Write a record as CSV, Parquet or MCAP, with chosen signals and every n-th step
 ///
-/// Numbers have all their bits. Without --signal, the file has every column of the run and its timing.
+/// Numbers have all their bits. Without --signal, the file has every column of the run and its timing. MCAP without a
+/// selection is a copy of run.mcap with all topics; it has an index even if the run was interrupted.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Folder of the record
@@ -65,7 +66,7 @@ impl Arguments {
             warn(format_args!("{}: {interrupted}", self.record.display()));
         }
         let every = self.every as usize;
-        let columns = Selection { signals: self.signals, every, from_s: from, until_s: until }.of(&record)?;
+        let selection = Selection { signals: self.signals, every, from_s: from, until_s: until };
         let [csv, parquet, mcap] = EXPORT_FILES;
         let (format, name) = match self.to {
             To::Csv => (Format::Csv, csv),
@@ -74,7 +75,7 @@ impl Arguments {
         };
         let path = self.out.unwrap_or_else(|| self.record.join(name));
         RecordFolder::check_output(&path)?;
-        export(&columns, format, &path)?;
+        let columns = export(&record, &selection, format, &path)?;
         outln!("{} rows of {} columns: {}", columns.len(), columns.signals().len(), path.display());
         Ok(Exit::Pass)
     }

@@ -8,9 +8,9 @@ use lashloop_bench::atomic_file::{WriteError, write_whole_at};
 use lashloop_session::names::UnknownName;
 
 use crate::columns::Columns;
-use crate::file_names::EXPORT_FILES;
+use crate::file_names::{EXPORT_FILES, SAMPLES_FILE};
 use crate::reader::Record;
-use crate::samples;
+use crate::samples::{copy_with_index, write_table};
 use crate::trace::TIME;
 
 /// What of a record is exported.
@@ -33,7 +33,7 @@ pub enum Format {
     Csv,
     /// Apache Parquet; only with the feature `parquet`.
     Parquet,
-    /// MCAP with one message per row.
+    /// MCAP: all messages of the run, or one message per row of a selection.
     Mcap,
 }
 
@@ -64,6 +64,16 @@ pub enum ExportError {
 }
 
 impl Selection {
+    /// Every column of every step.
+    const fn all() -> Self {
+        Self { signals: Vec::new(), every: 1, from_s: f64::NEG_INFINITY, until_s: f64::INFINITY }
+    }
+
+    /// Whether it has every column of every step.
+    fn is_all(&self) -> bool {
+        self.signals.is_empty() && self.every <= 1 && self.from_s <= 0.0 && self.until_s == f64::INFINITY
+    }
+
     /// The columns and rows selected, the time first.
     ///
     /// # Errors
@@ -104,22 +114,30 @@ impl Selection {
     }
 }
 
-/// Writes the columns to a file. An older file stays until the new one is whole.
+/// Writes a selection of a record to a file; returns its columns. An older file stays until the new one is whole.
 ///
 /// # Errors
-/// The file can't be written, or the format isn't part of this build.
-pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), ExportError> {
-    let whole = |write: fn(&Columns, &Path) -> Result<(), WriteError>| {
-        Ok(write_whole_at(path, ".export-", |path| write(columns, path))?)
-    };
+/// The selection is empty, the file can't be written, or the format isn't part of this build.
+pub fn export(
+    record: &Record,
+    selection: &Selection,
+    format: Format,
+    path: &Path,
+) -> Result<Columns, ExportError> {
+    let columns = selection.of(record)?;
+    let whole = |write: &dyn Fn(&Path) -> Result<(), WriteError>| write_whole_at(path, ".export-", write);
     match format {
-        Format::Csv => whole(csv),
-        Format::Mcap => whole(samples::write_table),
+        Format::Csv => whole(&|path| csv(&columns, path))?,
+        Format::Mcap if selection.is_all() => {
+            whole(&|path| copy_with_index(&record.folder.join(SAMPLES_FILE), path))?;
+        }
+        Format::Mcap => whole(&|path| write_table(&columns, record.manifest.step_times(), path))?,
         #[cfg(feature = "parquet")]
-        Format::Parquet => whole(crate::parquet::write),
+        Format::Parquet => whole(&|path| crate::parquet::write(&columns, path))?,
         #[cfg(not(feature = "parquet"))]
-        Format::Parquet => Err(ExportError::NoParquet),
+        Format::Parquet => return Err(ExportError::NoParquet),
     }
+    Ok(columns)
 }
 
 /// Writes every column of a record to `export.csv` in its folder; nothing for a run without a step.
@@ -131,8 +149,7 @@ pub fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
     let failed =
         |error: String| WriteError { path: path.clone(), action: "written", source: io::Error::other(error) };
     let record = Record::read_any(folder).map_err(|error| failed(error.to_string()))?;
-    let all = Selection { signals: Vec::new(), every: 1, from_s: f64::NEG_INFINITY, until_s: f64::INFINITY };
-    match all.of(&record) {
+    match Selection::all().of(&record) {
         Ok(columns) => write_whole_at(&path, ".export-", |path| csv(&columns, path)),
         Err(ExportError::Nothing { .. }) => Ok(()),
         Err(error) => Err(failed(error.to_string())),

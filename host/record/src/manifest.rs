@@ -21,11 +21,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::file_names::MANIFEST_FILE;
 use crate::host_facts::HostFacts;
+use crate::samples::StepTimes;
 use crate::source::{Overridden, RunSource};
 use crate::summary::Versions;
 
-/// The format of the folder.
-pub const FORMAT: u32 = 2;
+/// The format of the folder. In format 2, whose records are read too, `run.mcap` has messages of ROS 1 at times from 0.
+pub const FORMAT: u32 = 3;
 
 /// What was run, with what, and where.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,7 +37,7 @@ pub struct Manifest {
     pub command_line: Vec<String>,
     /// Folder that relative paths of the command line start from; null if it was removed.
     pub working_directory: Option<String>,
-    /// Start of the run in UTC, as RFC 3339.
+    /// Start of the run in UTC, as RFC 3339. The times of the samples count from it.
     pub started: String,
     /// The scenario; `scenario.toml` has every key of it.
     pub scenario: ScenarioFile,
@@ -277,7 +278,7 @@ impl Manifest {
             format: FORMAT,
             command_line: source.command_line.clone(),
             working_directory: source.working_directory.clone(),
-            started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            started: humantime::format_rfc3339_millis(SystemTime::now()).to_string(),
             scenario: ScenarioFile {
                 name: scenario.title.clone(),
                 path: scenario.name.clone(),
@@ -315,6 +316,14 @@ impl Manifest {
         }
     }
 
+    /// When the steps are. A start that isn't a time counts as 1970.
+    #[must_use]
+    pub fn step_times(&self) -> StepTimes {
+        let started = humantime::parse_rfc3339(&self.started).unwrap_or(SystemTime::UNIX_EPOCH);
+        let since_1970 = started.duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        StepTimes { start_ns: since_1970.as_nanos() as u64, period_us: self.period_us }
+    }
+
     /// The content of `record.json`.
     #[must_use]
     pub fn to_json(&self) -> String {
@@ -336,7 +345,7 @@ impl Manifest {
 pub(crate) mod tests {
     use super::*;
 
-    /// A record of format 2.
+    /// A record of format 3.
     const PINNED: &str = include_str!("manifest/pinned.json");
 
     pub(crate) fn manifest() -> Manifest {

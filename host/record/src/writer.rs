@@ -136,8 +136,8 @@ impl Beginning {
         resolved::write(path, &resolved)?;
         let mut attached = vec![(MANIFEST_FILE, manifest.to_json())];
         attached.extend(resolved);
-        let (period_us, flush_rows) = (scenario.run.control_period_us, scenario.record.flush_rows.into());
-        let samples = SampleWriter::create(path, signals, period_us, first_step, flush_rows, &attached)?;
+        let (times, flush_rows) = (manifest.step_times(), scenario.record.flush_rows.into());
+        let samples = SampleWriter::create(path, signals, times, first_step, flush_rows, &attached)?;
         manifest.write(path)?;
         Ok(samples)
     }

@@ -1,7 +1,8 @@
 """The samples of a run, `run.mcap`: every column with the bits that it had in the run.
 
-A message has fields of fixed size without padding. Its schema is the text of a ROS message. The comment of a field is
-`NAME [UNIT]` of its column.
+A message has fields of fixed size, packed as CDR: behind a head of four bytes, each at a multiple of its size. Its
+schema is the text of a ROS 2 message. The comment of a field is `NAME [UNIT]` of its column. Times are in ns since
+1970. Records of format 2 have messages of ROS 1, without head and padding, at times from 0.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ TYPES = {"float64": "<f8", "float32": "<f4", "int64": "<i8", "int32": "<i4", "ui
 SENT = ("motor_counts", "load_counts", "sent_reference_rad")
 NO_TIME_NS = -1
 MAGIC = b"\x89MCAP0\r\n"
+CDR_HEAD = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +64,7 @@ class _Topic:
     columns: list[tuple[str, str]]
     dtype: np.dtype[Any]
     period_us: int
+    start_ns: int
     numbers: list[int] = field(default_factory=list)
     times_ns: list[int] = field(default_factory=list)
     messages: list[bytes] = field(default_factory=list)
@@ -69,18 +72,33 @@ class _Topic:
     @classmethod
     def of(cls, channel: Channel, schema: Schema) -> _Topic:
         columns: list[tuple[str, str]] = []
-        types: list[tuple[str, str]] = []
+        types: list[str] = []
         for line in schema.data.decode().splitlines():
             declaration, _, comment = line.partition(" # ")
             name, _, unit = comment.removesuffix("]").rpartition(" [")
             columns.append((name, unit))
-            types.append((f"f{len(types)}", TYPES[declaration.split()[0]]))
-        return cls(columns, np.dtype(types), int(channel.metadata["period_us"]))
+            types.append(TYPES[declaration.split()[0]])
+        dtype = _dtype(types, channel.message_encoding)
+        return cls(columns, dtype, int(channel.metadata["period_us"]), int(channel.metadata.get("start_ns", "0")))
 
     def values(self) -> dict[str, NDArray[np.float64]]:
         rows = np.frombuffer(b"".join(self.messages), dtype=self.dtype)
         names = self.dtype.names or ()
         return {name: rows[at].astype(np.float64) for (name, _), at in zip(self.columns, names, strict=True)}
+
+
+def _dtype(types: list[str], encoding: str) -> np.dtype[Any]:
+    names = [f"f{number}" for number in range(len(types))]
+    if encoding == "ros1":
+        return np.dtype(list(zip(names, types, strict=True)))
+    if encoding != "cdr":
+        raise ValueError(f"its messages are encoded as {encoding}; this version reads cdr and ros1")
+    offsets, end = [], CDR_HEAD
+    for size in (np.dtype(it).itemsize for it in types):
+        end += -(end - CDR_HEAD) % size
+        offsets.append(end)
+        end += size
+    return np.dtype({"names": names, "formats": types, "offsets": offsets, "itemsize": end})
 
 
 def _collect(file: Any, topics: dict[str, _Topic], *, is_torn: bool) -> None:
@@ -96,7 +114,7 @@ def _collect(file: Any, topics: dict[str, _Topic], *, is_torn: bool) -> None:
             elif isinstance(record, Message) and record.channel_id in channels:
                 topic = channels[record.channel_id]
                 topic.numbers.append(record.sequence)
-                topic.times_ns.append(record.log_time)
+                topic.times_ns.append(record.log_time - topic.start_ns)
                 topic.messages.append(record.data)
     except Exception:
         # The reader has an error of its own for each place at which a killed run may have cut the file.

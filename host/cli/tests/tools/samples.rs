@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use mcap::{Channel, Message, MessageStream, Schema, Writer};
 
-/// Bytes behind the flag `answered` of a step: the flag `missed`, and four times of the exchange.
-const BEHIND_ANSWERED: usize = 1 + 4 * 8;
+/// Bytes behind the flag `answered` of a step: the flag `missed`, padding, and four times of the exchange.
+const BEHIND_ANSWERED: usize = 1 + 6 + 4 * 8;
 
 /// Writes `run.mcap` anew with the messages that `keep` accepts, which may change them.
 pub fn rewrite(folder: &Path, mut keep: impl FnMut(&mut Message<'_>) -> bool) {
@@ -26,7 +26,8 @@ pub fn rewrite(folder: &Path, mut keep: impl FnMut(&mut Message<'_>) -> bool) {
 
 /// The step in which a message was written, at 1 kHz.
 pub fn step(message: &Message<'_>) -> u64 {
-    message.publish_time / 1_000_000
+    let start_ns: u64 = message.channel.metadata["start_ns"].parse().unwrap();
+    (message.publish_time - start_ns) / 1_000_000
 }
 
 /// Makes a message of `/step` one without a torque in time.

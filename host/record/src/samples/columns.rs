@@ -13,8 +13,6 @@ pub(super) const STEP_TOPIC: &str = "/step";
 pub(super) const DRIVE_TOPIC: &str = "/drive";
 pub(super) const FAULT_TOPIC: &str = "/fault";
 pub(super) const LOG_TOPIC: &str = "/log";
-/// Metadata of a channel: the control period.
-pub(super) const PERIOD_US: &str = "period_us";
 /// Value of a time that a step doesn't have.
 pub(super) const NO_TIME_NS: f64 = -1.0;
 /// Whether a sample was sent in the step.

@@ -1,16 +1,11 @@
-//! The layout of a message: fields of fixed size, little endian, without padding, as ROS 1 packs them. The schema is the
-//! text of a ROS message; the comment of a field has the name and the unit of its column.
+//! The layout of a message: fields of fixed size. The schema is the text of a ROS 2 message; the comment of a field has the
+//! name and the unit of its column.
 
 use std::fmt::Write;
 
 use lashloop_plant::Signal;
 
-use super::container::take;
-
-/// Encoding of the messages, as MCAP names it.
-pub(crate) const MESSAGE_ENCODING: &str = "ros1";
-/// Encoding of the schemas, as MCAP names it.
-pub(crate) const SCHEMA_ENCODING: &str = "ros1msg";
+use super::packing::{Packing, Unpacker, begin, push};
 
 /// Type of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,25 +38,25 @@ impl FieldType {
     }
 
     /// Appends a value that fits the type.
-    fn push(self, value: f64, bytes: &mut Vec<u8>) {
+    fn push(self, value: f64, message: &mut Vec<u8>) {
         match self {
-            Self::Float64 => bytes.extend_from_slice(&value.to_le_bytes()),
-            Self::Float32 => bytes.extend_from_slice(&(value as f32).to_le_bytes()),
-            Self::Int64 => bytes.extend_from_slice(&(value as i64).to_le_bytes()),
-            Self::Int32 => bytes.extend_from_slice(&(value as i32).to_le_bytes()),
-            Self::UInt8 => bytes.push(value as u8),
+            Self::Float64 => push(value.to_le_bytes(), message),
+            Self::Float32 => push((value as f32).to_le_bytes(), message),
+            Self::Int64 => push((value as i64).to_le_bytes(), message),
+            Self::Int32 => push((value as i32).to_le_bytes(), message),
+            Self::UInt8 => push([value as u8], message),
         }
     }
 
-    /// Takes a value off the front of `bytes`; `None` if they are too few.
-    fn take(self, bytes: &mut &[u8]) -> Option<f64> {
+    /// The next value of a message; `None` at its end.
+    fn take(self, message: &mut Unpacker<'_>) -> Option<f64> {
         Some(match self {
-            Self::Float64 => f64::from_le_bytes(take(bytes)?),
-            Self::Float32 => f32::from_le_bytes(take(bytes)?).into(),
+            Self::Float64 => f64::from_le_bytes(message.take()?),
+            Self::Float32 => f32::from_le_bytes(message.take()?).into(),
             // Times in ns: exact for 104 days.
-            Self::Int64 => i64::from_le_bytes(take(bytes)?) as f64,
-            Self::Int32 => i32::from_le_bytes(take(bytes)?).into(),
-            Self::UInt8 => take::<1>(bytes)?[0].into(),
+            Self::Int64 => i64::from_le_bytes(message.take()?) as f64,
+            Self::Int32 => i32::from_le_bytes(message.take()?).into(),
+            Self::UInt8 => message.take::<1>()?[0].into(),
         })
     }
 }
@@ -91,25 +86,27 @@ pub(crate) fn fields(schema: &str) -> Option<Vec<Field>> {
     schema.lines().map(field).collect()
 }
 
-/// Appends the values of a message.
-pub(crate) fn encode(fields: &[Field], values: impl IntoIterator<Item = f64>, bytes: &mut Vec<u8>) {
+/// Writes the values to `message`.
+pub(crate) fn encode(fields: &[Field], values: impl IntoIterator<Item = f64>, message: &mut Vec<u8>) {
+    begin(message);
     for (field, value) in fields.iter().zip(values) {
-        field.ty.push(value, bytes);
+        field.ty.push(value, message);
     }
 }
 
 /// Appends the values of a message to `values`; `false` if it is shorter than its fields.
-pub(crate) fn decode(fields: &[Field], mut bytes: &[u8], values: &mut Vec<f64>) -> bool {
-    fields.iter().all(|field| field.ty.take(&mut bytes).map(|value| values.push(value)).is_some())
+pub(crate) fn decode(fields: &[Field], packing: Packing, message: &[u8], values: &mut Vec<f64>) -> bool {
+    let Some(mut message) = Unpacker::new(packing, message) else { return false };
+    fields.iter().all(|field| field.ty.take(&mut message).map(|value| values.push(value)).is_some())
 }
 
-/// A name as ROS allows it, unlike those before.
+/// A name as ROS 2 allows it, without underscores next to each other or at the end, and unlike those before.
 fn identifier(name: &str, used: &[String]) -> String {
-    let name = name.strip_prefix(lashloop_plant::metrics::DRIVE_PREFIX).unwrap_or(name);
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    let mut field: String = name.chars().map(plain).collect();
+    let name = name.strip_prefix(lashloop_plant::metrics::DRIVE_PREFIX).unwrap_or(name).to_ascii_lowercase();
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let mut field = words.collect::<Vec<_>>().join("_");
     if !field.starts_with(|c: char| c.is_ascii_lowercase()) {
-        field.insert_str(0, "f_");
+        field.insert(0, 'f');
     }
     while used.contains(&field) {
         field.push_str("_2");
@@ -132,14 +129,15 @@ mod tests {
             field(FieldType::Float32, "middle mass, [2] # speed", "N m s/rad"),
             field(FieldType::Int32, "Middle_mass, [2] # speed", ""),
             field(FieldType::UInt8, "3rd", "1"),
+            field(FieldType::UInt8, "_", "1"),
             field(FieldType::Float32, "drive.load_error_rad", "rad"),
         ];
         let text = schema(&fields_written);
         assert_eq!(fields(&text).as_deref(), Some(&fields_written[..]));
         let names: Vec<_> = text.lines().filter_map(|line| line.split(' ').nth(1)).collect();
-        let plain = "middle_mass___2____speed";
+        let plain = "middle_mass_2_speed";
         let second = format!("{plain}_2");
-        assert_eq!(names, ["twist_rad", plain, &second, "f_3rd", "load_error_rad"]);
+        assert_eq!(names, ["twist_rad", plain, &second, "f3rd", "f", "load_error_rad"]);
     }
 
     #[test]
@@ -154,10 +152,21 @@ mod tests {
         let values = [-1.0 / 3.0, f64::from(0.1_f32), -8_388_608.0, 1.0, 9e15];
         let mut bytes = Vec::new();
         encode(&fields, values, &mut bytes);
-        assert_eq!(bytes.len(), 8 + 4 + 4 + 1 + 8);
-        let mut read = Vec::new();
-        assert!(decode(&fields, &bytes, &mut read));
-        assert_eq!(read.iter().map(|it| it.to_bits()).collect::<Vec<_>>(), values.map(f64::to_bits));
-        assert!(!decode(&fields, &bytes[..16], &mut read));
+        let packed = [
+            &values[0].to_le_bytes()[..],
+            &0.1_f32.to_le_bytes(),
+            &(-8_388_608_i32).to_le_bytes(),
+            &[1],
+            &9_000_000_000_000_000_i64.to_le_bytes(),
+        ]
+        .concat();
+        // A head, and three bytes and four before the last number.
+        assert_eq!(bytes.len(), 4 + packed.len() + 7);
+        for (packing, bytes) in [(Packing::Cdr, &bytes), (Packing::Ros1, &packed)] {
+            let mut read = Vec::new();
+            assert!(decode(&fields, packing, bytes, &mut read));
+            assert_eq!(read.iter().map(|it| it.to_bits()).collect::<Vec<_>>(), values.map(f64::to_bits));
+            assert!(!decode(&fields, packing, &bytes[..bytes.len() - 1], &mut read));
+        }
     }
 }

@@ -8,11 +8,13 @@ use std::path::Path;
 use lashloop_plant::Signal;
 
 use super::columns::{
-    DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, PERIOD_US, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
+    DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, NO_TIME_NS, SAMPLED, STEP_TOPIC, in_ns, timing_columns,
 };
-use super::container::{self, ContainerError, End, Entry, MAGIC, MessageHead};
+use super::container::{self, Channel, ContainerError, End, Entry, MAGIC, MessageHead};
 use super::events::{self, RecordedEdge, RecordedText};
 use super::layout::{Field, decode, fields};
+use super::packing::Packing;
+use super::step_times::StepTimes;
 use crate::columns::Columns;
 use crate::trace::{TELEMETRY_TIME, TIME, sent_columns};
 
@@ -46,6 +48,14 @@ pub enum SamplesError {
         /// The topic.
         topic: String,
     },
+    /// Messages in the encoding of another program, or of a newer version.
+    #[error("topic {topic} is encoded as {encoding}; this version of lashloop reads cdr and ros1")]
+    Encoding {
+        /// The topic.
+        topic: String,
+        /// The encoding.
+        encoding: String,
+    },
     /// A message that is shorter than its schema.
     #[error("a message of topic {topic} is shorter than its schema")]
     Message {
@@ -61,53 +71,64 @@ impl Samples {
     /// The file can't be read, or another program has written it.
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
         let bytes = fs::read(path)?;
-        // A killed run has left no end, and perhaps a part of its last chunk.
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        let result = container::read(&bytes, |entry| {
+        let is_torn = up_to_the_end(&bytes, |entry| {
             match entry {
-                Entry::Schema { id, data } => {
-                    schemas.insert(id, data.to_owned());
+                Entry::Schema { id, schema } => {
+                    schemas.insert(id, schema.data.to_owned());
                 }
                 // From the channels, not from the messages: a run may be cut before the first telemetry.
-                Entry::Channel { id, schema, topic, metadata } => {
-                    let schema = schemas.get(&schema);
+                Entry::Channel { id, channel } => {
+                    let schema = schemas.get(&channel.schema);
                     for messages in [&mut steps, &mut drive] {
-                        messages.begin(id, topic, &metadata, schema)?;
+                        messages.begin(id, &channel, schema)?;
                     }
-                    topics.insert(id, topic.to_owned());
+                    topics.insert(id, (channel.topic.to_owned(), Packing::named(channel.encoding)));
                 }
                 Entry::Message { head, data } => {
-                    let at = steps.step_at(head.log_time);
-                    match topics.get(&head.channel).map(String::as_str) {
-                        Some(STEP_TOPIC) => steps.take(at, &head, data)?,
-                        Some(DRIVE_TOPIC) => drive.take(head.sequence.into(), &head, data)?,
-                        Some(FAULT_TOPIC) => faults.extend(events::edge(at, data)),
-                        Some(LOG_TOPIC) => logs.extend(events::text(at, data)),
+                    let at = steps.times.step_at(head.log_time);
+                    match topics.get(&head.channel).map(|(topic, packing)| (&**topic, *packing)) {
+                        Some((STEP_TOPIC, _)) => steps.take(at, &head, data)?,
+                        Some((DRIVE_TOPIC, _)) => drive.take(head.sequence.into(), &head, data)?,
+                        Some((FAULT_TOPIC, Some(it))) => faults.extend(events::edge(at, it, data)),
+                        Some((LOG_TOPIC, Some(it))) => logs.extend(events::text(at, it, data)),
                         _ => {}
                     }
                 }
+                Entry::Header { .. } | Entry::Attachment(_) => {}
             }
             Ok(())
-        });
-        // A killed run has left no end, and perhaps a part of its last chunk, or anything on a full disk.
-        let has_end = bytes.ends_with(&MAGIC);
-        let is_torn = match result {
-            Ok(End::Data | End::Record) => false,
-            Ok(End::Torn) if has_end => return Err(ContainerError::End.into()),
-            Ok(End::Torn) => true,
-            Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => true,
-            Err(error) => return Err(error),
-        };
+        })?;
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }
 }
 
+/// Passes the entries of a file to `take`, up to its last whole chunk; returns whether a part of another follows.
+///
+/// # Errors
+/// Another program has written the file, it is damaged, or `take` fails.
+pub(super) fn up_to_the_end(
+    bytes: &[u8],
+    take: impl FnMut(Entry<'_>) -> Result<(), SamplesError>,
+) -> Result<bool, SamplesError> {
+    // A killed run has left no end, and perhaps a part of its last chunk, or anything on a full disk.
+    let has_end = bytes.ends_with(&MAGIC);
+    match container::read(bytes, take) {
+        Ok(End::Data | End::Record) => Ok(false),
+        Ok(End::Torn) if has_end => Err(ContainerError::End.into()),
+        Ok(End::Torn) => Ok(true),
+        Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
 /// The columns of the trace, and those of the timing.
 fn assembled(mut steps: Messages, drive: &Messages) -> (Columns, Columns) {
-    let (period_s, period_ns) = (f64::from(steps.period_us) / 1e6, 1000.0 * f64::from(steps.period_us));
+    let period_us = f64::from(steps.times.period_us);
+    let (period_s, period_ns) = (period_us / 1e6, 1000.0 * period_us);
     let numbers = steps.numbers.iter().map(|number| *number as f64);
     let time_s = numbers.clone().map(|number| number * period_s).collect();
     let number = numbers.collect();
@@ -167,29 +188,32 @@ struct Messages {
     values: Vec<Vec<f64>>,
     /// Steps of the messages.
     numbers: Vec<u64>,
+    /// Their times since the start of the run.
     times_ns: Vec<u64>,
-    period_us: u32,
+    times: StepTimes,
+    packing: Packing,
     message: Vec<f64>,
 }
 
 impl Messages {
     fn of(topic: &'static str) -> Self {
         let (fields, values, message) = (Vec::new(), Vec::new(), Vec::new());
-        let (numbers, times_ns) = (Vec::new(), Vec::new());
-        Self { topic, channel: None, fields, values, numbers, times_ns, period_us: 0, message }
+        let (numbers, times_ns, times) = (Vec::new(), Vec::new(), StepTimes { start_ns: 0, period_us: 0 });
+        let packing = Packing::Cdr;
+        Self { topic, channel: None, fields, values, numbers, times_ns, times, packing, message }
     }
 
     /// Takes the message of a step.
     fn take(&mut self, number: u64, head: &MessageHead, data: &[u8]) -> Result<(), SamplesError> {
         self.message.clear();
-        if !decode(&self.fields, data, &mut self.message) {
+        if !decode(&self.fields, self.packing, data, &mut self.message) {
             return Err(SamplesError::Message { topic: self.topic.to_owned() });
         }
         for (values, value) in self.values.iter_mut().zip(&self.message) {
             values.push(*value);
         }
         self.numbers.push(number);
-        self.times_ns.push(head.log_time);
+        self.times_ns.push(self.times.since_start(head.log_time));
         Ok(())
     }
 
@@ -197,28 +221,24 @@ impl Messages {
     fn begin(
         &mut self,
         id: u16,
-        topic: &str,
-        metadata: &[(&str, &str)],
+        channel: &Channel<'_>,
         schema: Option<&Vec<u8>>,
     ) -> Result<(), SamplesError> {
-        if topic != self.topic || self.channel.is_some() {
+        if channel.topic != self.topic || self.channel.is_some() {
             return Ok(());
         }
-        let fields = schema.and_then(|schema| fields(std::str::from_utf8(schema).ok()?));
-        let period_us = metadata.iter().find(|(name, _)| *name == PERIOD_US);
-        let period_us = period_us.and_then(|(_, text)| text.parse().ok());
-        let (Some(fields), Some(period_us)) = (fields, period_us) else {
-            return Err(SamplesError::Schema { topic: self.topic.to_owned() });
+        let topic = self.topic.to_owned();
+        let Some(packing) = Packing::named(channel.encoding) else {
+            return Err(SamplesError::Encoding { topic, encoding: channel.encoding.to_owned() });
         };
-        (self.channel, self.period_us) = (Some(id), period_us);
+        let fields = schema.and_then(|schema| fields(std::str::from_utf8(schema).ok()?));
+        let (Some(fields), Some(times)) = (fields, StepTimes::of(&channel.metadata)) else {
+            return Err(SamplesError::Schema { topic });
+        };
+        (self.channel, self.times, self.packing) = (Some(id), times, packing);
         self.values = vec![Vec::new(); fields.len()];
         self.fields = fields;
         Ok(())
-    }
-
-    /// The step of a time.
-    fn step_at(&self, time_ns: u64) -> u64 {
-        time_ns / (1000 * u64::from(self.period_us)).max(1)
     }
 
     /// Takes a field out. Without messages it has no values.

@@ -7,22 +7,25 @@ use lashloop_bench::run::{Event, Step};
 use lashloop_plant::metrics::SignalTable;
 
 use super::columns::{
-    DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, PERIOD_US, STEP_TOPIC, drive_fields, step_fields, step_values,
+    DRIVE_TOPIC, FAULT_TOPIC, LOG_TOPIC, STEP_TOPIC, drive_fields, step_fields, step_values,
 };
-use super::container::{MessageHead, Writer};
+use super::container::{Attachment, Channel, MessageHead, Schema, Writer};
 use super::events::{self, FAULT_SCHEMA, LOG_SCHEMA};
-use super::layout::{Field, MESSAGE_ENCODING, SCHEMA_ENCODING, encode, schema};
+use super::layout::{Field, encode, schema};
+use super::packing::{MESSAGE_ENCODING, PROFILE, SCHEMA_ENCODING};
+use super::step_times::StepTimes;
 use crate::file_names::SAMPLES_FILE;
 
 /// Writes the samples of a run.
 pub struct SampleWriter {
     file: Writer,
     step: Topic,
-    drive: Topic,
+    /// `None` for a drive without signals.
+    drive: Option<Topic>,
     faults: u16,
     logs: u16,
     events: u64,
-    period_ns: u64,
+    times: StepTimes,
     steps: u64,
     flush_rows: u64,
     /// Time of the sample of the last telemetry, for what repeats it.
@@ -44,30 +47,25 @@ impl SampleWriter {
     pub fn create(
         folder: &Path,
         signals: &SignalTable,
-        period_us: u32,
+        times: StepTimes,
         first_step: u64,
         flush_rows: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, WriteError> {
         let growing = GrowingFile::create(&folder.join(SAMPLES_FILE), ".samples-", b"")?;
-        let mut file = Writer::new(growing, MESSAGE_ENCODING);
+        let mut file = Writer::new(growing, PROFILE);
         for (name, text) in attached {
-            file.attach(name, media_type(name), text)?;
+            file.attach(&attachment(name, text, times.start_ns))?;
         }
-        let period = period_us.to_string();
-        let mut topic = |topic: &str, name: &str, fields: Vec<Field>| {
-            let schema = file.add_schema(name, SCHEMA_ENCODING, &schema(&fields));
-            let channel = file.add_channel(schema, topic, MESSAGE_ENCODING, &[(PERIOD_US, &period)]);
-            Topic { channel, fields }
-        };
-        let step = topic(STEP_TOPIC, "lashloop/Step", step_fields(signals));
-        let drive = topic(DRIVE_TOPIC, "lashloop/Drive", drive_fields(signals));
-        let mut channel = |topic: &str, name: &str, schema: &str| {
-            let schema = file.add_schema(name, SCHEMA_ENCODING, schema);
-            file.add_channel(schema, topic, MESSAGE_ENCODING, &[])
-        };
-        let faults = channel(FAULT_TOPIC, "lashloop/Fault", FAULT_SCHEMA);
-        let logs = channel(LOG_TOPIC, "lashloop/Log", LOG_SCHEMA);
+        let mut channel = |topic, name, schema: &str| add_channel(&mut file, topic, name, schema, times);
+        let fields = step_fields(signals);
+        let step = Topic { channel: channel(STEP_TOPIC, "Step", &schema(&fields)), fields };
+        let fields = drive_fields(signals);
+        // A message of ROS 2 has at least one field.
+        let drive = (!fields.is_empty())
+            .then(|| Topic { channel: channel(DRIVE_TOPIC, "Drive", &schema(&fields)), fields });
+        let faults = channel(FAULT_TOPIC, "Fault", FAULT_SCHEMA);
+        let logs = channel(LOG_TOPIC, "Log", LOG_SCHEMA);
         file.flush()?;
         Ok(Self {
             file,
@@ -76,7 +74,7 @@ impl SampleWriter {
             faults,
             logs,
             events: 0,
-            period_ns: 1000 * u64::from(period_us),
+            times,
             steps: first_step,
             flush_rows,
             telemetry_time_s: None,
@@ -89,30 +87,29 @@ impl SampleWriter {
     /// # Errors
     /// The chunk can't be written. Those before are kept.
     pub fn push(&mut self, step: &Step) -> Result<(), WriteError> {
-        let (number, now_ns) = (self.steps, self.steps * self.period_ns);
+        let (number, now_ns) = (self.steps, self.times.at(self.steps));
         self.steps += 1;
-        self.message.clear();
         encode(&self.step.fields, step_values(number, step), &mut self.message);
         self.write(self.step.channel, 0, now_ns, now_ns);
-        if step.drive.time_s != self.telemetry_time_s && !self.drive.fields.is_empty() {
+        if step.drive.time_s != self.telemetry_time_s
+            && let Some(Topic { channel, fields }) = &self.drive
+        {
             self.telemetry_time_s = step.drive.time_s;
             let time_ns = step.drive.time_s.map_or(0, |time_s| (time_s * 1e9).round() as u64);
-            self.message.clear();
-            encode(&self.drive.fields, step.drive.values.iter().copied(), &mut self.message);
-            self.write(self.drive.channel, number, time_ns, now_ns);
+            encode(fields, step.drive.values.iter().copied(), &mut self.message);
+            self.write(*channel, number, self.times.start_ns + time_ns, now_ns);
         }
         if self.steps.is_multiple_of(self.flush_rows) { self.file.flush() } else { Ok(()) }
     }
 
     /// Appends an event of a step. It gets to the file as a step does.
     pub fn push_event(&mut self, step: u32, event: &Event) {
-        self.message.clear();
         events::encode(event, &mut self.message);
         let (channel, step) = match event {
             Event::Fault(edge) => (self.faults, edge.step),
             Event::Log(_) => (self.logs, step),
         };
-        let (time_ns, now_ns) = (u64::from(step) * self.period_ns, self.steps * self.period_ns);
+        let (time_ns, now_ns) = (self.times.at(step.into()), self.times.at(self.steps));
         self.write(channel, self.events, time_ns, now_ns);
         self.events += 1;
     }
@@ -127,9 +124,22 @@ impl SampleWriter {
     /// # Errors
     /// They can't be written.
     pub fn finish(mut self, (name, summary): (&str, &str)) -> Result<(), WriteError> {
-        self.file.attach(name, media_type(name), summary)?;
+        self.file.attach(&attachment(name, summary, self.times.at(self.steps)))?;
         self.file.finish()
     }
+}
+
+/// Adds the channel of a topic with its schema; returns its number.
+pub(super) fn add_channel(file: &mut Writer, topic: &str, name: &str, schema: &str, times: StepTimes) -> u16 {
+    let (name, metadata) = (format!("lashloop_msgs/msg/{name}"), times.metadata());
+    let schema = Schema { name: &name, encoding: SCHEMA_ENCODING, data: schema.as_bytes() };
+    let schema = file.add_schema(&schema);
+    let metadata = metadata.iter().map(|(name, value)| (*name, &**value)).collect();
+    file.add_channel(&Channel { schema, topic, encoding: MESSAGE_ENCODING, metadata })
+}
+
+fn attachment<'a>(name: &'a str, text: &'a str, log_time: u64) -> Attachment<'a> {
+    Attachment { log_time, name, media_type: media_type(name), data: text.as_bytes() }
 }
 
 fn media_type(name: &str) -> &'static str {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::columns;
-use crate::samples::{SampleWriter, Samples};
+use crate::samples::{SampleWriter, Samples, StepTimes};
 use lashloop_bench::run::{DriveValues, Step, TraceRow};
 use lashloop_bench::timing::{RoundTrip, StepOutcome, StepTiming};
 use lashloop_plant::metrics::SignalTable;
@@ -24,7 +24,9 @@ fn samples_keep_times_of_any_length() {
     // A day into a run at 1 kHz, a machine was suspended.
     let first = 86_400_000;
     let signals = SignalTable::default();
-    let mut writer = SampleWriter::create(directory.path(), &signals, 1000, first, 100, &[]).expect("a file");
+    let times = StepTimes { start_ns: 1_795_608_000_123_456_789, period_us: 1000 };
+    let mut writer =
+        SampleWriter::create(directory.path(), &signals, times, first, 100, &[]).expect("a file");
     for lateness in [Duration::from_nanos(1), Duration::from_secs(3), long] {
         let round_trip =
             Some(RoundTrip { send: lateness, line_and_device: long, compute: long, receive: long });

@@ -4,9 +4,11 @@ use std::fs;
 use std::path::PathBuf;
 
 use lashloop_record::folder::RecordFolder;
+use lashloop_record::reader::Record;
 use lashloop_record::samples::Samples;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
+use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader, IndexedReaderOptions, ReadOrder};
 use mcap::{MessageStream, Summary};
 use tempfile::TempDir;
 
@@ -24,6 +26,27 @@ fn recorded(duration_s: &str, flush_rows: &str) -> (TempDir, PathBuf) {
     (parent, path)
 }
 
+/// Topic, time and data of each message, as the index finds them.
+pub(crate) fn by_index(bytes: &[u8], order: ReadOrder) -> Vec<(String, u64, Vec<u8>)> {
+    let summary = Summary::read(bytes).expect("a summary with its checksum").expect("a summary");
+    let options = IndexedReaderOptions::new().with_order(order);
+    let mut reader = IndexedReader::new_with_options(&summary, options).expect("an index");
+    let mut found = Vec::new();
+    while let Some(event) = reader.next_event() {
+        match event.expect("the chunk of an index") {
+            IndexedReadEvent::ReadChunkRequest { offset, length } => {
+                let chunk = &bytes[offset as usize..][..length];
+                reader.insert_chunk_record_data(offset, chunk).expect("a chunk");
+            }
+            IndexedReadEvent::Message { header, data } => {
+                let topic = summary.channels[&header.channel_id].topic.clone();
+                found.push((topic, header.log_time, data.to_owned()));
+            }
+        }
+    }
+    found
+}
+
 #[test]
 fn another_reader_finds_every_message_attachment_and_count() {
     // Ten chunks of one block, and one of several blocks.
@@ -39,10 +62,34 @@ fn another_reader_finds_every_message_attachment_and_count() {
         assert_eq!((of("/step"), of("/drive")), (steps, steps / 10));
         assert!(messages.is_sorted_by_key(|it| it.publish_time));
         let summary = Summary::read(&bytes).expect("a summary with its checksum").expect("a summary");
-        let counts = summary.stats.expect("counts");
+        let counts = summary.stats.as_ref().expect("counts");
         assert_eq!(counts.message_count, messages.len() as u64);
         assert_eq!((counts.chunk_count, counts.schema_count, counts.channel_count), (chunks, 4, 4));
-        assert_eq!((counts.message_start_time, counts.message_end_time), (0, (steps as u64 - 1) * 1_000_000));
+        let manifest = Record::read(&path).expect("a record").manifest;
+        let start_ns = manifest.step_times().start_ns;
+        assert!(start_ns > 1_700_000_000_000_000_000, "since 1970: {start_ns}");
+        let end_ns = start_ns + (steps as u64 - 1) * 1_000_000;
+        assert_eq!((counts.message_start_time, counts.message_end_time), (start_ns, end_ns));
+        let mut backwards = by_index(&bytes, ReadOrder::ReverseLogTime);
+        backwards.reverse();
+        let forwards = by_index(&bytes, ReadOrder::LogTime);
+        assert_eq!(forwards.len(), messages.len());
+        assert!(forwards.is_sorted_by_key(|(_, time_ns, _)| *time_ns));
+        assert!(backwards.is_sorted_by_key(|(_, time_ns, _)| *time_ns));
+        let read = |topic: &str, found: &[(String, u64, Vec<u8>)]| -> Vec<_> {
+            found.iter().filter(|it| it.0 == topic).cloned().collect()
+        };
+        for topic in ["/step", "/drive"] {
+            let streamed: Vec<_> = messages
+                .iter()
+                .filter(|it| it.channel.topic == topic)
+                .map(|it| (topic.to_owned(), it.log_time, it.data.to_vec()))
+                .collect();
+            assert!(read(topic, &forwards) == streamed && read(topic, &backwards) == streamed, "{topic}");
+        }
+        for index in &summary.chunk_indexes {
+            assert_eq!(summary.read_message_indexes(&bytes, index).expect("message indexes").len(), 2);
+        }
         for index in &summary.attachment_indexes {
             let attachment = mcap::read::attachment(&bytes, index).expect("an attachment with its checksum");
             let length = fs::metadata(path.join(&attachment.name)).expect("the same file").len();

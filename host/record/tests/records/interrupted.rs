@@ -9,14 +9,17 @@ use lashloop_bench::timing::{StepOutcome, StepTiming};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::SignalTable;
 use lashloop_record::columns::Columns;
+use lashloop_record::export::{Format, Selection, export};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::reader::Record;
-use lashloop_record::samples::{RecordedEdge, RecordedText, SampleWriter, Samples};
+use lashloop_record::samples::{RecordedEdge, RecordedText, SampleWriter, Samples, StepTimes};
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
 use lashloop_session::LogEntry;
+use mcap::sans_io::indexed_reader::ReadOrder;
 
-use super::{run_in_process, scenario};
+use super::container::by_index;
+use super::{bits, run_in_process, scenario};
 
 /// A fault from step 30 to 70, and a text of the drive in step 50; then the run is killed in its fourth chunk.
 #[test]
@@ -100,6 +103,7 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
     let mut lengths: Vec<_> = (0..whole.len()).step_by(97).chain(tails).chain(ends.iter().copied()).collect();
     lengths.extend(heads);
     lengths.sort_unstable();
+    let lengths_of_copies: Vec<_> = lengths.iter().copied().step_by(17).collect();
     let mut counts = Vec::new();
     for length in lengths {
         fs::write(path.join("run.mcap"), &whole[..length]).expect("a part");
@@ -121,6 +125,9 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
             assert!(counts.iter().all(|rows| *rows == 0), "{length} bytes have samples");
         }
         counts.push(rows);
+        if rows > 0 && lengths_of_copies.contains(&length) {
+            assert!(bits(&copy(&record)) == bits(&record.trace), "{length} bytes");
+        }
     }
     assert!(counts.is_sorted(), "{counts:?}");
     assert!(
@@ -129,11 +136,33 @@ fn samples_cut_at_any_byte_read_up_to_the_last_whole_chunk() {
     );
 }
 
+/// The trace of a copy with index, which another reader reads in both directions.
+fn copy(record: &Record) -> Columns {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("export.mcap");
+    let all = Selection { signals: Vec::new(), every: 1, from_s: 0.0, until_s: f64::INFINITY };
+    export(record, &all, Format::Mcap, &path).expect("a copy");
+    let bytes = fs::read(&path).expect("the copy");
+    let [forwards, mut backwards] =
+        [ReadOrder::LogTime, ReadOrder::ReverseLogTime].map(|it| by_index(&bytes, it));
+    backwards.reverse();
+    for topic in ["/step", "/drive"] {
+        let of = |found: &[(String, u64, Vec<u8>)]| -> Vec<_> {
+            found.iter().filter(|it| it.0 == topic).cloned().collect()
+        };
+        assert!(of(&forwards) == of(&backwards) && forwards.len() == backwards.len(), "{topic}");
+    }
+    let samples = Samples::read(&path).expect("samples");
+    assert!(!samples.is_torn, "a copy has an end");
+    samples.trace
+}
+
 #[test]
 fn samples_before_the_first_telemetry_have_the_columns_of_the_drive() {
     let folder = tempfile::tempdir().expect("a folder");
     let signals = SignalTable { plant: Vec::new(), drive: vec![Signal::new("load_error_rad", "rad")] };
-    let mut writer = SampleWriter::create(folder.path(), &signals, 1000, 0, 1, &[]).expect("samples");
+    let times = StepTimes { start_ns: 1_000_000_007, period_us: 1000 };
+    let mut writer = SampleWriter::create(folder.path(), &signals, times, 0, 1, &[]).expect("samples");
     let row = TraceRow {
         time_s: 0.0,
         reference_rad: 0.0,

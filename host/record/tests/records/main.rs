@@ -1,6 +1,7 @@
 //! Records of runs in this process, written and read.
 
 mod container;
+mod earlier_format;
 mod interrupted;
 mod large;
 mod repeated;

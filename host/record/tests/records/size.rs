@@ -63,16 +63,16 @@ fn bytes(name: &str, duration_s: u32) -> u64 {
 }
 
 #[test]
-fn record_of_25_s_at_1_khz_takes_less_than_4_mb() {
+fn record_of_25_s_at_1_khz_takes_less_than_4_5_mb() {
     for name in ["smooth-after.toml", "friction-after.toml", "shaft-merzouki.toml"] {
         let bytes = bytes(name, 25);
-        assert!((2_500_000..4_000_000).contains(&bytes), "{name}: {bytes} bytes");
+        assert!((2_500_000..4_500_000).contains(&bytes), "{name}: {bytes} bytes");
     }
 }
 
 #[test]
-fn record_of_10_minutes_at_1_khz_takes_less_than_100_mb() {
+fn record_of_10_minutes_at_1_khz_takes_less_than_110_mb() {
     // A sixth of it: the bytes of a step don't grow.
     let bytes = 6 * bytes("smooth-after.toml", 100);
-    assert!(bytes < 100_000_000, "{bytes} bytes");
+    assert!(bytes < 110_000_000, "{bytes} bytes");
 }

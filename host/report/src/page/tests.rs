@@ -10,7 +10,7 @@ use lashloop_record::columns::Columns;
 use lashloop_record::diff::{Group, Setting};
 use lashloop_record::reader::{ReadError, ReadFault, Record};
 use lashloop_record::row::Row;
-use lashloop_record::samples::SampleWriter;
+use lashloop_record::samples::{SampleWriter, StepTimes};
 use lashloop_record::summary::{RunEnd, Summary};
 use lashloop_record::timing::TimingRow;
 use serde_json::Value;
@@ -339,7 +339,8 @@ fn a_run_without_a_step_has_a_page_with_its_verdict() {
 
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("record.json"), MANIFEST).expect("a manifest");
-    let samples = SampleWriter::create(folder.path(), &SignalTable::default(), 1000, 0, 1, &[]);
+    let times = StepTimes { start_ns: 0, period_us: 1000 };
+    let samples = SampleWriter::create(folder.path(), &SignalTable::default(), times, 0, 1, &[]);
     samples.and_then(|samples| samples.finish(("summary.json", "{}"))).expect("samples");
     let error = Run::read("plain", folder.path()).expect_err("neither rows nor a summary");
     assert!(matches!(error, ReadError { fault: ReadFault::Empty, .. }), "{error}");

@@ -19,7 +19,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/live", 950),
     ("host/plant", 4_300),
     ("host/plot", 1_000),
-    ("host/record", 3_710),
+    ("host/record", 3_960),
     ("host/report", 3_550),
     ("host/session", 2_900),
     ("protocol", 2_000),

@@ -1,5 +1,5 @@
 //! The container of MCAP (<https://mcap.dev/spec>), as far as a record needs it: schemas, channels, messages in chunks compressed
-//! by LZ4, attachments, and a summary without indexes of messages. What other programs add is passed over.
+//! by LZ4 with an index of each, attachments, and a summary. What other programs add is passed over.
 
 mod read;
 mod write;
@@ -8,7 +8,7 @@ use std::io;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-pub(super) use read::{End, Entry, read, take};
+pub(super) use read::{End, Entry, read};
 pub(super) use write::Writer;
 
 /// At the start and the end of a file.
@@ -27,6 +27,8 @@ mod opcode {
     pub(super) const CHANNEL: u8 = 0x04;
     pub(super) const MESSAGE: u8 = 0x05;
     pub(super) const CHUNK: u8 = 0x06;
+    pub(super) const MESSAGE_INDEX: u8 = 0x07;
+    pub(super) const CHUNK_INDEX: u8 = 0x08;
     pub(super) const ATTACHMENT: u8 = 0x09;
     pub(super) const ATTACHMENT_INDEX: u8 = 0x0a;
     pub(super) const STATISTICS: u8 = 0x0b;
@@ -64,6 +66,33 @@ pub enum ContainerError {
     /// The checksum of a chunk is another one.
     #[error("a chunk is damaged: its checksum is wrong")]
     Checksum,
+}
+
+/// A schema: a name, and a text in an encoding.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Schema<'a> {
+    pub(super) name: &'a str,
+    pub(super) encoding: &'a str,
+    pub(super) data: &'a [u8],
+}
+
+/// A channel: a topic whose messages have an encoding and a schema.
+#[derive(Debug, Clone)]
+pub(super) struct Channel<'a> {
+    pub(super) schema: u16,
+    pub(super) topic: &'a str,
+    pub(super) encoding: &'a str,
+    pub(super) metadata: Vec<(&'a str, &'a str)>,
+}
+
+/// A file within the file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Attachment<'a> {
+    /// In ns.
+    pub(super) log_time: u64,
+    pub(super) name: &'a str,
+    pub(super) media_type: &'a str,
+    pub(super) data: &'a [u8],
 }
 
 /// A message without its data.

@@ -4,13 +4,17 @@ use std::io::Read as _;
 
 use lz4_flex::frame::FrameDecoder;
 
-use super::{CRC32, ContainerError, LZ4, MAGIC, MessageHead, opcode, split_record};
+use super::{
+    Attachment, CRC32, Channel, ContainerError, LZ4, MAGIC, MessageHead, Schema, opcode, split_record,
+};
 
 /// A record of a file, chunks resolved.
 pub(in crate::samples) enum Entry<'a> {
-    Schema { id: u16, data: &'a [u8] },
-    Channel { id: u16, schema: u16, topic: &'a str, metadata: Vec<(&'a str, &'a str)> },
+    Header { profile: &'a str },
+    Schema { id: u16, schema: Schema<'a> },
+    Channel { id: u16, channel: Channel<'a> },
     Message { head: MessageHead, data: &'a [u8] },
+    Attachment(Attachment<'a>),
 }
 
 /// How a file ends.
@@ -76,22 +80,28 @@ fn pass<E: From<ContainerError>>(
 fn entry(opcode: u8, mut content: &[u8]) -> Option<Option<Entry<'_>>> {
     let content = &mut content;
     Some(Some(match opcode {
+        opcode::HEADER => Entry::Header { profile: take_text(content)? },
         opcode::SCHEMA => {
-            let id = take_u16(content)?;
-            let (_name, _encoding) = (take_text(content)?, take_text(content)?);
+            let (id, name, encoding) = (take_u16(content)?, take_text(content)?, take_text(content)?);
             let length = take_u32(content)? as usize;
-            Entry::Schema { id, data: content.get(..length)? }
+            Entry::Schema { id, schema: Schema { name, encoding, data: content.get(..length)? } }
         }
         opcode::CHANNEL => {
             let (id, schema, topic) = (take_u16(content)?, take_u16(content)?, take_text(content)?);
-            let _encoding = take_text(content)?;
+            let encoding = take_text(content)?;
             let length = take_u32(content)? as usize;
             let mut pairs = content.get(..length)?;
             let mut metadata = Vec::new();
             while !pairs.is_empty() {
                 metadata.push((take_text(&mut pairs)?, take_text(&mut pairs)?));
             }
-            Entry::Channel { id, schema, topic, metadata }
+            Entry::Channel { id, channel: Channel { schema, topic, encoding, metadata } }
+        }
+        opcode::ATTACHMENT => {
+            let (log_time, _create_time) = (take_u64(content)?, take_u64(content)?);
+            let (name, media_type) = (take_text(content)?, take_text(content)?);
+            let length = usize::try_from(take_u64(content)?).ok()?;
+            Entry::Attachment(Attachment { log_time, name, media_type, data: content.get(..length)? })
         }
         opcode::MESSAGE => {
             let head = MessageHead {
@@ -136,7 +146,7 @@ fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
 }
 
 /// Takes bytes off the front; `None` if they are too few.
-pub(in crate::samples) fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
     let (first, rest) = bytes.split_first_chunk()?;
     *bytes = rest;
     Some(*first)

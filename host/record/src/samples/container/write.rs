@@ -5,7 +5,7 @@ use std::io::Write as _;
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
 use lz4_flex::frame::{BlockMode, BlockSize, FrameEncoder, FrameInfo};
 
-use super::{CRC32, HEAD, LZ4, MAGIC, MessageHead, opcode};
+use super::{Attachment, CRC32, Channel, HEAD, LZ4, MAGIC, MessageHead, Schema, opcode};
 
 /// The content of a record, field by field.
 #[derive(Default)]
@@ -57,10 +57,14 @@ pub(in crate::samples) struct Writer {
     chunk: Vec<u8>,
     /// First and last time of its messages.
     chunk_ns: Option<(u64, u64)>,
+    /// Time and place of its messages, channel by channel.
+    index: Vec<Vec<u8>>,
     /// The parts of the summary.
     schemas: Vec<u8>,
     channels: Vec<u8>,
     attachments: Vec<u8>,
+    /// About 130 bytes for each chunk; nothing else in memory grows with the run.
+    chunks: Vec<u8>,
     schema_count: u16,
     /// Messages of each channel, which have the numbers from 1.
     messages: Vec<u64>,
@@ -92,9 +96,11 @@ impl Writer {
             written: 0,
             chunk: Vec::new(),
             chunk_ns: None,
+            index: Vec::new(),
             schemas: Vec::new(),
             channels: Vec::new(),
             attachments: Vec::new(),
+            chunks: Vec::new(),
             schema_count: 0,
             messages: Vec::new(),
             attachment_count: 0,
@@ -105,26 +111,23 @@ impl Writer {
     }
 
     /// Adds a schema; returns its number.
-    pub(in crate::samples) fn add_schema(&mut self, name: &str, encoding: &str, data: &str) -> u16 {
+    pub(in crate::samples) fn add_schema(&mut self, schema: &Schema<'_>) -> u16 {
+        let Schema { name, encoding, data } = schema;
         self.schema_count += 1;
-        let content = Content::default().u16(self.schema_count).text(name).text(encoding).text(data);
+        let content = Content::default().u16(self.schema_count).text(name).text(encoding).bytes(data);
         push_record(opcode::SCHEMA, &content.0, &mut self.pending);
         push_record(opcode::SCHEMA, &content.0, &mut self.schemas);
         self.schema_count
     }
 
     /// Adds a channel of a schema; returns its number.
-    pub(in crate::samples) fn add_channel(
-        &mut self,
-        schema: u16,
-        topic: &str,
-        encoding: &str,
-        metadata: &[(&str, &str)],
-    ) -> u16 {
+    pub(in crate::samples) fn add_channel(&mut self, channel: &Channel<'_>) -> u16 {
+        let Channel { schema, topic, encoding, metadata } = channel;
         self.messages.push(0);
+        self.index.push(Vec::new());
         let number = self.messages.len() as u16;
         let pairs = metadata.iter().fold(Content::default(), |it, (name, value)| it.text(name).text(value));
-        let content = Content::default().u16(number).u16(schema).text(topic).text(encoding).bytes(&pairs.0);
+        let content = Content::default().u16(number).u16(*schema).text(topic).text(encoding).bytes(&pairs.0);
         push_record(opcode::CHANNEL, &content.0, &mut self.pending);
         push_record(opcode::CHANNEL, &content.0, &mut self.channels);
         number
@@ -134,6 +137,8 @@ impl Writer {
     pub(in crate::samples) fn message(&mut self, head: &MessageHead, data: &[u8]) {
         let MessageHead { channel, sequence, log_time, publish_time } = *head;
         let length = (2 + 4 + 8 + 8 + data.len()) as u64;
+        let place = [log_time.to_le_bytes(), (self.chunk.len() as u64).to_le_bytes()];
+        self.index[usize::from(channel) - 1].extend_from_slice(place.as_flattened());
         self.chunk.push(opcode::MESSAGE);
         let head = Content(std::mem::take(&mut self.chunk)).u64(length).u16(channel).u32(sequence);
         self.chunk = head.u64(log_time).u64(publish_time).0;
@@ -149,19 +154,16 @@ impl Writer {
     ///
     /// # Errors
     /// The chunk begun can't be written.
-    pub(in crate::samples) fn attach(
-        &mut self,
-        name: &str,
-        media_type: &str,
-        text: &str,
-    ) -> Result<(), WriteError> {
+    pub(in crate::samples) fn attach(&mut self, attachment: &Attachment<'_>) -> Result<(), WriteError> {
         self.flush()?;
-        let head = Content::default().u64(0).u64(0).text(name).text(media_type).u64(text.len() as u64);
+        let Attachment { log_time, name, media_type, data } = *attachment;
+        let length = data.len() as u64;
+        let head = Content::default().u64(log_time).u64(0).text(name).text(media_type).u64(length);
         let Content(mut content) = head;
-        content.extend_from_slice(text.as_bytes());
+        content.extend_from_slice(data);
         content.extend_from_slice(&CRC32.checksum(&content).to_le_bytes());
         let index = Content::default().u64(self.written + self.pending.len() as u64);
-        let index = index.u64((HEAD + content.len()) as u64).u64(0).u64(0).u64(text.len() as u64);
+        let index = index.u64((HEAD + content.len()) as u64).u64(log_time).u64(0).u64(length);
         push_record(opcode::ATTACHMENT_INDEX, &index.text(name).text(media_type).0, &mut self.attachments);
         self.attachment_count += 1;
         push_record(opcode::ATTACHMENT, &content, &mut self.pending);
@@ -182,11 +184,31 @@ impl Writer {
             let head = head.u32(CRC32.checksum(&self.chunk)).text(LZ4).u64(compressed.len() as u64);
             let Content(mut content) = head;
             content.extend_from_slice(&compressed);
+            let start = self.written + self.pending.len() as u64;
             push_record(opcode::CHUNK, &content, &mut self.pending);
+            let index_start = self.written + self.pending.len() as u64;
+            let offsets = self.push_message_indexes();
+            let index_end = self.written + self.pending.len() as u64;
+            let index = Content::default().u64(first_ns).u64(last_ns).u64(start).u64(index_start - start);
+            let index = index.bytes(&offsets).u64(index_end - index_start).text(LZ4);
+            let index = index.u64(compressed.len() as u64).u64(self.chunk.len() as u64);
+            push_record(opcode::CHUNK_INDEX, &index.0, &mut self.chunks);
             self.chunk.clear();
             self.chunk_count += 1;
         }
         self.write()
+    }
+
+    /// The indexes of the chunk's messages, each behind the one of the channel before; returns channels and places.
+    fn push_message_indexes(&mut self) -> Vec<u8> {
+        let mut offsets = Content::default();
+        for (channel, places) in (1..).zip(&mut self.index).filter(|(_, places)| !places.is_empty()) {
+            offsets = offsets.u16(channel).u64(self.written + self.pending.len() as u64);
+            let index = Content::default().u16(channel).bytes(places);
+            push_record(opcode::MESSAGE_INDEX, &index.0, &mut self.pending);
+            places.clear();
+        }
+        offsets.0
     }
 
     fn write(&mut self) -> Result<(), WriteError> {
@@ -216,6 +238,7 @@ impl Writer {
             (opcode::SCHEMA, &self.schemas),
             (opcode::CHANNEL, &self.channels),
             (opcode::STATISTICS, &statistics),
+            (opcode::CHUNK_INDEX, &self.chunks),
             (opcode::ATTACHMENT_INDEX, &self.attachments),
         ];
         for (opcode, records) in groups.into_iter().filter(|(_, records)| !records.is_empty()) {
