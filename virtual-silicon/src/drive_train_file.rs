@@ -115,7 +115,7 @@ fn insert(values: &mut PlantValues, key: &Key, value: &Value) -> Result<()> {
         KeyKind::Integer { .. } => value.as_i64().map(PlantValue::Integer),
         KeyKind::Choice(_) => value.as_str().map(|text| PlantValue::Text(text.to_owned())),
         // Those of the plant in another process, which has no place in lockstep with the chip.
-        KeyKind::Text | KeyKind::Texts | KeyKind::Table => None,
+        KeyKind::Text { .. } | KeyKind::Texts { .. } | KeyKind::Table => None,
     };
     values.insert(key.name, converted.with_context(|| format!("{} can't be {value}", key.name))?);
     Ok(())

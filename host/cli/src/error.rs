@@ -11,6 +11,7 @@ use lashloop::rig::RigError;
 use lashloop::rig::lock::LockError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
+use lashloop_bench::process_plant::ProcessError;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
@@ -45,6 +46,8 @@ pub(crate) enum CliError {
     Scenario(#[from] ScenarioErrors),
     #[error(transparent)]
     Run(#[from] RunError),
+    #[error(transparent)]
+    Loader(#[from] ProcessError),
     #[error("{}: can't be written: {source}; choose another folder with --out", path.display())]
     Output { path: PathBuf, source: io::Error },
     #[error("{}: can't be written: {source}; choose another file with {option}", path.display())]
@@ -150,6 +153,7 @@ impl CliError {
             | Self::Scenario(_)
             | Self::NoPlantAtPins { .. }
             | Self::Jobs { .. }
+            | Self::Loader(_)
             | Self::Files(_)
             | Self::Baseline(_)
             | Self::Leftovers { .. }

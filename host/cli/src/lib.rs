@@ -33,6 +33,7 @@ mod encoder_errors;
 mod error;
 mod export;
 mod flash;
+mod fmu;
 mod identify;
 mod margins;
 mod monitor;
@@ -75,7 +76,7 @@ use tracing_subscriber::fmt::time::uptime;
 registry::commands! {
     "Run a drive on the bench": Run(run), Test(test), Campaign(campaign), Soak(soak), Device(device), Paper(paper);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Budget(budget);
+        Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Budget(budget), Fmu(fmu);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Margins(margins), Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);

@@ -50,7 +50,8 @@ pub(super) fn with_devices(command: Command, bench: &Bench) -> Command {
 
 /// Models of plants that scenarios may choose. This program is the guard of a plant in a process.
 pub(super) fn plants(bench: &Bench) -> Plants {
-    bench.plants().with(process_plant::model(std::env::current_exe().ok()))
+    let program = std::env::current_exe().ok();
+    bench.plants().with(process_plant::model(program.clone())).with(process_plant::fmu(program))
 }
 
 #[derive(Args)]

@@ -43,10 +43,16 @@ pub enum KeyKind {
     },
     /// One of several names; the first is the default.
     Choice(&'static [&'static str]),
-    /// Any text; empty if absent.
-    Text,
-    /// A required list of texts, at least one.
-    Texts,
+    /// Any text; empty if absent, unless it is required.
+    Text {
+        /// Whether a scenario must give it.
+        is_required: bool,
+    },
+    /// A list of texts; empty if absent, unless it is required, with at least one.
+    Texts {
+        /// Whether a scenario must give it.
+        is_required: bool,
+    },
     /// A free table, which is passed on as it is; empty if absent.
     Table,
 }
@@ -89,13 +95,25 @@ impl Key {
     /// A text, empty if absent.
     #[must_use]
     pub fn text(name: &'static str, meaning: &'static str) -> Self {
-        Self::new(name, "", KeyKind::Text, meaning)
+        Self::new(name, "", KeyKind::Text { is_required: false }, meaning)
+    }
+
+    /// A required text.
+    #[must_use]
+    pub fn required_text(name: &'static str, meaning: &'static str) -> Self {
+        Self::new(name, "", KeyKind::Text { is_required: true }, meaning)
     }
 
     /// A required list of texts.
     #[must_use]
     pub fn texts(name: &'static str, meaning: &'static str) -> Self {
-        Self::new(name, "", KeyKind::Texts, meaning)
+        Self::new(name, "", KeyKind::Texts { is_required: true }, meaning)
+    }
+
+    /// A list of texts, empty if absent.
+    #[must_use]
+    pub fn optional_texts(name: &'static str, meaning: &'static str) -> Self {
+        Self::new(name, "", KeyKind::Texts { is_required: false }, meaning)
     }
 
     /// A free table.
@@ -131,8 +149,9 @@ impl Key {
             KeyKind::Number { default, .. } => default.map(PlantValue::Number),
             KeyKind::Integer { default, .. } => default.map(|number| PlantValue::Integer(number.into())),
             KeyKind::Choice(names) => names.first().map(|name| PlantValue::Text((*name).to_owned())),
-            KeyKind::Text => Some(PlantValue::Text(String::new())),
-            KeyKind::Texts => None,
+            KeyKind::Text { is_required: false } => Some(PlantValue::Text(String::new())),
+            KeyKind::Texts { is_required: false } => Some(PlantValue::List(Vec::new())),
+            KeyKind::Text { .. } | KeyKind::Texts { .. } => None,
             KeyKind::Table => Some(PlantValue::Table(Default::default())),
         }
     }

@@ -77,6 +77,20 @@ impl PlantValues {
         }
     }
 
+    /// The texts of a list.
+    ///
+    /// # Errors
+    /// The key has no list of texts.
+    pub fn texts(&self, key: &'static str) -> Result<Vec<String>, PlantError> {
+        let text =
+            |value: &PlantValue| if let PlantValue::Text(text) = value { Some(text.clone()) } else { None };
+        let texts = match self.get(key) {
+            Some(PlantValue::List(items)) => items.iter().map(text).collect(),
+            _ => None,
+        };
+        texts.ok_or(PlantError::NoValue { key, kind: "list of texts" })
+    }
+
     /// The keys with their values, in order.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &PlantValue)> {
         self.0.iter().map(|(name, value)| (*name, value))

@@ -254,7 +254,9 @@ impl From<&Signal> for NamedUnit {
 fn plant_files(scenario: &Scenario, warnings: &mut Vec<String>) -> Vec<FileHash> {
     let plant = &scenario.plant;
     let files = match plant.model.name() {
-        process_plant::NAME => process_plant::files(&plant.values, &plant.folder),
+        model if process_plant::is_process(model) => {
+            process_plant::files(model, &plant.values, &plant.folder)
+        }
         _ => Vec::new(),
     };
     let hash = |path: PathBuf| FileHash::new(&path, fs::read(&path).map(|bytes| sha256(&bytes)), warnings);

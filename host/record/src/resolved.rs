@@ -25,7 +25,7 @@ pub fn files(scenario: &Scenario) -> Result<Vec<(&'static str, String)>, toml_ed
         files.push((REFERENCE_FILE, table.to_csv()));
     }
     let plant = &scenario.plant;
-    if plant.model.name() == process_plant::NAME {
+    if process_plant::is_process(plant.model.name()) {
         let folder = process_plant::folder(&plant.values, &plant.folder);
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
         let folder =

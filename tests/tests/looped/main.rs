@@ -17,6 +17,7 @@ mod exit_codes;
 mod experiment;
 mod fault_table;
 mod first_reach;
+mod fmu;
 mod hostile;
 mod idle;
 mod link_faults;

@@ -1,6 +1,7 @@
 //! What a process can do wrong.
 
 use std::io;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Why a plant in another process failed. Each message says what to do.
@@ -79,6 +80,42 @@ pub enum ProcessError {
         have: u32,
         /// The bench's.
         want: u32,
+    },
+    /// A file of `plant.files` can't be read.
+    #[error("plant.files: {}: {source}; a relative path starts at the folder of the plant", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The program that loads FMUs is missing.
+    #[error(
+        "no program lashloop-fmu next to {} or in PATH, which FMUs need; `cargo build --release -p lashloop-fmu` makes \
+         it, or plant.command names another", bench.display()
+    )]
+    NoLoader {
+        /// This program.
+        bench: PathBuf,
+    },
+    /// An FMU takes no velocities from the bench.
+    #[error(
+        "plant.initial has a velocity, and an FMU starts as plant.start says; give the velocity there, and omit it in \
+         plant.initial"
+    )]
+    InitialVelocity,
+    /// The process doesn't start where the scenario says.
+    #[error(
+        "the plant's process starts with {key} = {have}, and plant.initial.{key} is {want}; a process that can't start \
+         there needs its own position in [plant.initial]"
+    )]
+    OtherStart {
+        /// The position.
+        key: &'static str,
+        /// The process's.
+        have: f64,
+        /// The scenario's.
+        want: f64,
     },
     /// Another number of values than signals.
     #[error(

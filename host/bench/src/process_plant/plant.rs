@@ -5,15 +5,17 @@ use std::time::{Duration, Instant};
 
 use lashloop_plant::{Plant, PlantError, PlantValue, PlantValues, Positions, Release, Signal};
 use serde::de::DeserializeOwned;
+use tempfile::TempDir;
 
 use super::error::ProcessError;
+use super::keys::{FILES, FOLDER};
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 use lashloop_session::printable;
 
-/// Key of the folder in which the program runs.
-pub const FOLDER: &str = "folder";
+/// Largest difference between a position of `[plant.initial]` and that of the process: single precision passes.
+const START_TOLERANCE_RAD: f64 = 1e-6;
 /// Time that an ended process may take to leave its exit status.
 const STATUS_LIMIT: Duration = Duration::from_millis(500);
 /// Characters of a malformed line that a message quotes.
@@ -25,33 +27,46 @@ pub(super) struct ProcessPlant {
     lines: Lines,
     process: Process,
     _supervisor: Supervisor,
+    _scratch: Option<TempDir>,
     step_limit: Duration,
     signals: Vec<Signal>,
     state: State,
 }
 
+/// What is started, and what it is told.
+pub(super) struct Launch<'a> {
+    pub(super) program: Program,
+    pub(super) settings: Option<&'a PlantValue>,
+    /// A folder that is removed once the process has ended.
+    pub(super) scratch: Option<TempDir>,
+}
+
 impl ProcessPlant {
     /// Starts the process and reads its signals and its initial state.
-    pub(super) fn start(release: &Release<'_>, bench: Option<PathBuf>) -> Result<Self, ProcessError> {
+    pub(super) fn start(
+        release: &Release<'_>,
+        launch: Launch<'_>,
+        bench: Option<PathBuf>,
+    ) -> Result<Self, ProcessError> {
         let values = release.values;
         let folder = folder(values, release.folder);
-        let program = program(values, &folder)?;
+        for file in named_files(values, &folder) {
+            std::fs::File::open(&file).map_err(|source| ProcessError::File { file, source })?;
+        }
+        let Launch { program, settings, scratch } = launch;
         let supervisor = Supervisor::without_signals(bench)?;
         let (process, to_process, from_process) = supervisor.spawn_piped_in(&folder, &program)?;
         let mut plant = Self {
             lines: Lines::new(to_process, from_process)?,
             process,
             _supervisor: supervisor,
+            _scratch: scratch,
             step_limit: limit(values, "step_timeout_ms")?,
             signals: Vec::new(),
             state: State::default(),
         };
-        let hello = Hello {
-            lashloop_plant: VERSION,
-            period_s: release.period_s,
-            initial: release.start,
-            settings: values.get("settings"),
-        };
+        let hello =
+            Hello { lashloop_plant: VERSION, period_s: release.period_s, initial: release.start, settings };
         let line = plant.exchange(&hello, "start_timeout_ms", limit(values, "start_timeout_ms")?)?;
         let description: Description = parse(&line)?;
         if description.lashloop_plant != VERSION {
@@ -59,7 +74,23 @@ impl ProcessPlant {
         }
         plant.signals = description.signals.into_iter().map(Signal::from).collect();
         plant.take_state(&line)?;
+        plant.check_start(release)?;
         Ok(plant)
+    }
+
+    /// A process that ignores `[plant.initial]` would be judged from a start that it hasn't.
+    fn check_start(&self, release: &Release<'_>) -> Result<(), ProcessError> {
+        let State { motor_position_rad, load_position_rad, .. } = self.state;
+        let start = &release.start;
+        for (key, have, want) in [
+            ("motor_position_rad", motor_position_rad, start.motor_position_rad),
+            ("load_position_rad", load_position_rad, start.load_position_rad),
+        ] {
+            if (have - want).abs() > START_TOLERANCE_RAD {
+                return Err(ProcessError::OtherStart { key, have, want });
+            }
+        }
+        Ok(())
     }
 
     /// Sends a line and receives one.
@@ -145,24 +176,21 @@ pub fn folder(values: &PlantValues, of_scenario: &Path) -> PathBuf {
     }
 }
 
-/// The program, and each argument that is a file: the script of an interpreter is the plant. None of another model.
-#[must_use]
-pub fn files(values: &PlantValues, of_scenario: &Path) -> Vec<PathBuf> {
-    let folder = folder(values, of_scenario);
-    let Ok(Program { program, arguments, .. }) = program(values, &folder) else { return Vec::new() };
-    let arguments = arguments.into_iter().map(|it| folder.join(it)).filter(|path| path.is_file());
-    [program.into()].into_iter().chain(arguments).collect()
+/// The program, and each argument that is a file: the script of an interpreter is the plant.
+pub(super) fn files_of(program: Program, folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let arguments = program.arguments.into_iter().map(|it| folder.join(it)).filter(|path| path.is_file());
+    [program.program.into()].into_iter().chain(arguments)
 }
 
-fn program(values: &PlantValues, folder: &Path) -> Result<Program, ProcessError> {
+/// The files that `plant.files` names.
+pub(super) fn named_files(values: &PlantValues, folder: &Path) -> Vec<PathBuf> {
+    values.texts(FILES).unwrap_or_default().into_iter().map(|name| folder.join(name)).collect()
+}
+
+/// The program of `plant.command`.
+pub(super) fn program(values: &PlantValues, folder: &Path) -> Result<Program, ProcessError> {
     let start = |reason: &str| ProcessError::Start { reason: reason.to_owned() };
-    let Some(PlantValue::List(command)) = values.get("command") else {
-        return Err(start("it has no command"));
-    };
-    let text =
-        |value: &PlantValue| if let PlantValue::Text(text) = value { Some(text.clone()) } else { None };
-    let words: Option<Vec<_>> = command.iter().map(text).collect();
-    let words = words.ok_or_else(|| start("its command is not a list of texts"))?;
+    let words = values.texts("command").map_err(|error| start(&error.to_string()))?;
     let (name, arguments) = words.split_first().ok_or_else(|| start("its command is empty"))?;
     // A path starts at the folder in which the process runs, a name is looked up in PATH.
     let name = if name.contains('/') { folder.join(name) } else { name.into() };

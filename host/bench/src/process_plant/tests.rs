@@ -7,7 +7,7 @@ use lashloop_plant::{Plant, PlantError, PlantValue, PlantValues, Release, Start,
 
 use super::model;
 
-/// A first line with one signal.
+/// A first line with one signal, at rest where [`release`] starts a plant.
 const HELLO: &str = r#"{"lashloop_plant":1,"signals":[{"name":"a_rad","unit":"rad"}],"motor_position_rad":0.5,"load_position_rad":0,"values":[2]}"#;
 const STATE: &str = r#"{"motor_position_rad":0,"load_position_rad":0,"values":[1]}"#;
 
@@ -19,7 +19,7 @@ fn values(command: &[&str]) -> PlantValues {
 }
 
 fn release(values: &PlantValues, folder: &Path) -> Result<Box<dyn Plant>, PlantError> {
-    let start = Start::at_rest(std::f64::consts::FRAC_PI_2, 3.0 * std::f64::consts::FRAC_PI_2);
+    let start = Start::at_rest(0.0, 0.5);
     model(None).release(&Release { values, start, period_s: 1e-3, folder })
 }
 
@@ -60,7 +60,7 @@ fn the_python_example_moves_as_the_smooth_plant_does() {
     values.insert("step_timeout_ms", PlantValue::Integer(30_000));
     let mut process = release(&values, &folder).expect("python3 and the example");
     let model = smooth::model();
-    let start = Start::at_rest(std::f64::consts::FRAC_PI_2, 3.0 * std::f64::consts::FRAC_PI_2);
+    let start = Start::at_rest(0.0, 0.5);
     let defaults = model.defaults();
     let release = Release { values: &defaults, start, period_s: 1e-3, folder: Path::new("") };
     let mut native = model.release(&release).expect("the smooth plant");
@@ -96,8 +96,7 @@ fn settings_and_initial_state_reach_the_process() {
         [("teeth".to_owned(), PlantValue::Integer(17)), ("wet".to_owned(), PlantValue::Boolean(true))];
     values.insert("settings", PlantValue::Table(settings.into()));
     let error = release(&values, Path::new("")).err().expect("the process ends").to_string();
-    let sent =
-        r#"{\"lashloop_plant\":1,\"period_s\":0.001,\"initial\":{\"load_position_rad\":1.5707963267948966,"#;
+    let sent = r#"{\"lashloop_plant\":1,\"period_s\":0.001,\"initial\":{\"load_position_rad\":0.0,"#;
     assert!(error.contains(sent), "{error}");
     assert!(error.contains(r#"\"settings\":{\"teeth\":17,\"wet\":true}}"#), "{error}");
 }
@@ -134,6 +133,10 @@ fn errors_of_a_process_name_the_cause_and_the_remedy() {
         (error_of_step(&format!("echo '{infinite}'")), "with a number that is not finite"),
         (error_of_step("echo 'info: ready'"), "wrote \"info: ready\": expected value at line 1"),
         (error_of_step("echo '{\"error\": \"the belt slips\"}'"), "reports: the belt slips"),
+        (
+            start(&format!("read a; echo '{}'", HELLO.replace("0.5", "0.25"))),
+            "starts with motor_position_rad = 0.25, and plant.initial.motor_position_rad is 0.5; a process that can't start",
+        ),
         (start("read a; echo '{\"lashloop_plant\": 2}'"), "has version 2 of the protocol, the bench has 1"),
     ];
     for (have, want) in cases {

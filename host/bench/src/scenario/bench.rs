@@ -197,7 +197,7 @@ pub(super) fn check(
         (true, "plant.load_torque", pins),
         (true, "plant.wear", pins),
         (plant.torque_delay_us() > 0, "plant.torque_delay_us", pins),
-        (plant.model.name() == process_plant::NAME, "plant.model", process),
+        (process_plant::is_process(plant.model.name()), "plant.model", process),
         (moving, "plant.initial", "has a velocity, but a bench starts at rest; omit the velocities"),
         (line.delay_us > 0, "line.delay_us", torque),
         (line.jitter_us > 0, "line.jitter_us", torque),

@@ -87,7 +87,7 @@ impl PlantSettings {
 /// The models of a scenario that is read without a registry of its own.
 #[must_use]
 pub fn standard() -> Plants {
-    Plants::standard().with(process_plant::model(None))
+    Plants::standard().with(process_plant::model(None)).with(process_plant::fmu(None))
 }
 
 /// Symbols of the paper, so that messages can name the key for a symbol.

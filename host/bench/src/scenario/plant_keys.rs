@@ -2,7 +2,7 @@
 
 use lashloop_plant::{Key, KeyKind, PlantValue, PlantValues};
 
-use super::declare::{Field as _, any_text, integer, name_of, number, texts};
+use super::declare::{Field as _, any_text, integer, name_of, number, text, texts};
 use super::key::{Choice, Further, Selector};
 use super::reader::Section;
 use super::spelling::with_unit;
@@ -58,8 +58,15 @@ fn read_key(plant: &mut Section<'_>, key: &Key) -> PlantValue {
             let default = names.first().map(|name| (*name).to_owned());
             PlantValue::Text(name_of(choices).with_default(default).read(name, doc, plant))
         }
-        KeyKind::Text => PlantValue::Text(any_text().read(name, doc, plant).unwrap_or_default()),
-        KeyKind::Texts => {
+        KeyKind::Text { is_required: true } => {
+            PlantValue::Text(text("a text in quotes").read(name, doc, plant))
+        }
+        KeyKind::Text { .. } => PlantValue::Text(any_text().read(name, doc, plant).unwrap_or_default()),
+        KeyKind::Texts { is_required: false } => {
+            let texts = texts("a list of texts in quotes").optional().read(name, doc, plant);
+            PlantValue::List(texts.unwrap_or_default().into_iter().map(PlantValue::Text).collect())
+        }
+        KeyKind::Texts { .. } => {
             let texts = texts("a list of texts in quotes, at least one").read(name, doc, plant);
             if texts.is_empty() {
                 plant.reject(name, "is empty; it must have at least one text");

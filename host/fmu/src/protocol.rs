@@ -1,0 +1,92 @@
+//! The plant-process protocol: one line of JSON in, one out. `docs/extend/plant.md` has it.
+
+use std::fs::File;
+use std::io::{self, BufRead, Write};
+
+use rustix::stdio;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::error::FmuError;
+use crate::plant::{Plant, Settings};
+
+const VERSION: u32 = 1;
+
+#[derive(Deserialize)]
+struct Hello {
+    lashloop_plant: u32,
+    period_s: f64,
+    settings: Settings,
+}
+
+#[derive(Deserialize)]
+struct Held {
+    torque_nm: f64,
+    dt_s: f64,
+}
+
+/// Serves one run, to the end of standard input. What the FMU does wrong goes to the bench, as the last line.
+pub(crate) fn serve() -> Result<(), FmuError> {
+    let mut output = own_output()?;
+    let served = answer(&mut io::stdin().lock(), &mut output);
+    if let Err(error) = &served
+        && !matches!(error, FmuError::Pipe(_))
+    {
+        send(&mut output, &json!({ "error": error.to_string() }))?;
+        return Ok(());
+    }
+    served
+}
+
+/// Standard output for the protocol alone: what the FMU prints goes to standard error.
+fn own_output() -> io::Result<File> {
+    let output = rustix::io::dup(stdio::stdout())?;
+    stdio::dup2_stdout(stdio::stderr())?;
+    Ok(output.into())
+}
+
+fn answer(input: &mut impl BufRead, output: &mut File) -> Result<(), FmuError> {
+    let mut line = String::new();
+    if input.read_line(&mut line)? == 0 {
+        return Ok(());
+    }
+    let hello: Hello = parse(&line)?;
+    if hello.lashloop_plant != VERSION {
+        let reason = format!("it has version {} of the protocol, not {VERSION}", hello.lashloop_plant);
+        return Err(FmuError::Line { line, reason });
+    }
+    let mut plant = Plant::start(&hello.settings, hello.period_s)?;
+    let signals: Vec<_> = plant.signals().map(|(name, unit)| json!({ "name": name, "unit": unit })).collect();
+    let mut values = Vec::new();
+    plant.outputs(&mut values)?;
+    let mut first = state(&values);
+    first["lashloop_plant"] = VERSION.into();
+    first["signals"] = signals.into();
+    send(output, &first)?;
+    loop {
+        line.clear();
+        if input.read_line(&mut line)? == 0 {
+            plant.end();
+            return Ok(());
+        }
+        let Held { torque_nm, dt_s } = parse(&line)?;
+        plant.step(torque_nm, dt_s)?;
+        plant.outputs(&mut values)?;
+        send(output, &state(&values))?;
+    }
+}
+
+fn state(values: &[f64]) -> Value {
+    json!({ "motor_position_rad": values[0], "load_position_rad": values[1], "values": values[2..] })
+}
+
+fn parse<'a, T: Deserialize<'a>>(line: &'a str) -> Result<T, FmuError> {
+    serde_json::from_str(line).map_err(|error| FmuError::Line {
+        line: line.trim_end().chars().take(120).collect(),
+        reason: error.to_string(),
+    })
+}
+
+fn send(output: &mut File, message: &Value) -> io::Result<()> {
+    output.write_all(format!("{message}\n").as_bytes())
+}
