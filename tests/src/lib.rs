@@ -10,6 +10,7 @@
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
+//! | [`fmu`] | FMUs of a C file, and scenarios with them |
 //! | [`elf`] | small ELF files for the Cortex-M |
 //! | [`rom_loader`] | the boot loader of the chip |
 //! | [`powered`] | a drive with the bytes of its line, without a program of its own |
@@ -35,6 +36,7 @@ pub mod battery;
 pub mod c_drive;
 pub mod elf;
 pub mod fault_table;
+pub mod fmu;
 pub mod loss;
 pub mod optional;
 pub mod own_core;

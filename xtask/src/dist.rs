@@ -1,4 +1,4 @@
-//! `cargo xtask dist`: the program as one static file, in an archive with its checksum.
+//! `cargo xtask dist`: the program as one static file, with the loader of FMUs, in an archive with its checksum.
 //!
 //! With the target for musl installed the program is built for it. Otherwise only the last step differs from an ordinary
 //! build: `main` is linked once more, with the static C library of this machine. Dependencies are those of the other builds.
@@ -20,6 +20,8 @@ use crate::{licences, paths};
 const NAME: &str = "lashloop";
 /// Its package, and the libraries that its `main` calls.
 const PACKAGE: &str = "lashloop-cli";
+/// The loader of FMUs, which is its package too.
+const LOADER: &str = "lashloop-fmu";
 const LIBRARIES: [&str; 2] = ["lashloop_cli", "lashloop"];
 
 /// Options of the build: every feature.
@@ -92,13 +94,14 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
     }
     check(&program)?;
     check_parquet(&program, &target)?;
+    build_loader(profile, &folder.join(LOADER))?;
     for file in ["LICENSE-MIT", "LICENSE-APACHE", "README.md", "CHANGELOG.md"] {
         fs::copy(paths::root().join(file), folder.join(file))
             .with_context(|| format!("{file} can't be copied"))?;
     }
     fs::write(
         folder.join("THIRD-PARTY.txt"),
-        licences::collect(PACKAGE, &triple, FEATURES, library == Library::Glibc)?,
+        licences::collect(&[PACKAGE, LOADER], &triple, FEATURES, library == Library::Glibc)?,
     )?;
     complete(&program, &folder)?;
     let archive = pack(&target, &name)?;
@@ -152,6 +155,20 @@ fn link_statically(profile: Profile, program: &Path) -> Result<()> {
     }
     run(&mut link)
         .context("the static C library is missing? libc6-dev has it on Debian, glibc-static elsewhere")
+}
+
+/// Builds the loader of FMUs next to the program. It isn't static: it loads libraries, which need the C library of the machine.
+fn build_loader(profile: Profile, program: &Path) -> Result<()> {
+    let build = match profile {
+        Profile::Dev => "programs".to_owned(),
+        Profile::Release => format!("build --workspace --bin {LOADER}"),
+    };
+    run(&mut cargo(&format!("{build} --profile {} {FEATURES}", profile.name())))?;
+    let built = paths::root().join("target").join(profile.folder()).join(LOADER);
+    fs::copy(&built, program).with_context(|| format!("{} can't be copied", built.display()))?;
+    let version = first_line(&mut command(program, "--version"));
+    ensure!(version.is_some_and(|line| line.starts_with(LOADER)), "{} has no version", program.display());
+    Ok(())
 }
 
 /// Checks that the program needs no other file, and runs it.

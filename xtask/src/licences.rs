@@ -19,8 +19,8 @@ The GNU C library is linked statically. It is licensed under LGPL-2.1 or later; 
 program links it with another version.
 ";
 
-/// Every crate in the program of `package` for `target` with its licence, and the texts, each once.
-pub(crate) fn collect(package: &str, target: &str, features: &str, has_glibc: bool) -> Result<String> {
+/// Every crate in the programs of `names` for `target` with its licence, and the texts, each once.
+pub(crate) fn collect(names: &[&str], target: &str, features: &str, has_glibc: bool) -> Result<String> {
     let arguments = format!("metadata --format-version 1 --filter-platform {target} {features}");
     let metadata = output(&mut cargo(&arguments))?;
     let metadata: Value = serde_json::from_str(&metadata).context("the metadata of cargo aren't JSON")?;
@@ -28,9 +28,10 @@ pub(crate) fn collect(package: &str, target: &str, features: &str, has_glibc: bo
         list(&metadata["packages"]).filter_map(|it| Some((it["id"].as_str()?, it))).collect();
     let nodes: BTreeMap<_, _> =
         list(&metadata["resolve"]["nodes"]).filter_map(|it| Some((it["id"].as_str()?, it))).collect();
-    let root = packages.iter().find(|(_, it)| it["name"] == package).map(|(id, _)| *id);
+    let root = |name: &&str| packages.iter().find(|(_, it)| it["name"] == **name).map(|(id, _)| *id);
     let mut found = BTreeSet::new();
-    let mut open = vec![root.with_context(|| format!("no package {package}"))?];
+    let roots = names.iter().map(|name| root(name).with_context(|| format!("no package {name}")));
+    let mut open = roots.collect::<Result<Vec<_>>>()?;
     while let Some(id) = open.pop() {
         if found.insert(id) {
             let dependencies = nodes.get(id).into_iter().flat_map(|node| list(&node["deps"]));

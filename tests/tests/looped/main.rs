@@ -16,6 +16,7 @@ mod exec_drives;
 mod exit_codes;
 mod experiment;
 mod fault_table;
+mod fmu;
 mod hostile;
 mod idle;
 mod link_faults;

@@ -1,6 +1,7 @@
 //! The drive of the Python package, written from `docs/protocol.md`, on the bench.
 
 mod conforming;
+mod fmu;
 mod runs;
 
 use std::process::ExitCode;
@@ -11,7 +12,7 @@ use tests::python;
 
 type Check = fn();
 
-const TRIALS: [(&str, Check); 8] = [
+const TRIALS: [(&str, Check); 11] = [
     (
         "conforming::the_python_drive_passes_every_check_and_none_but_of_bench_mode_is_skipped",
         conforming::every_check,
@@ -26,6 +27,9 @@ const TRIALS: [(&str, Check); 8] = [
     }),
     ("runs::a_drive_started_by_the_bench_has_the_torque_bits_of_the_firmware", runs::started_by_the_bench),
     ("runs::one_drive_serves_consecutive_runs", runs::again),
+    ("fmu::an_fmu_of_pythonfmu_moves_as_the_smooth_plant_does", fmu::two),
+    ("fmu::an_fmu_of_pythonfmu3_moves_as_the_smooth_plant_does", fmu::three),
+    ("fmu::an_fmu_for_model_exchange_runs_with_the_solver_of_fmpy", fmu::model_exchange),
 ];
 
 fn main() -> ExitCode {
