@@ -1,4 +1,5 @@
-/* The smooth plant of the paper as an FMU of FMI 2.0 (co-simulation and model exchange) and 3.0 (co-simulation), in one library.
+/* The smooth plant of the paper as an FMU of FMI 1.0 and 2.0 (co-simulation and model exchange) and 3.0 (co-simulation), in one
+ * library.
  *
  * `mode` is a start value that makes the FMU misbehave from its third step on:
  * 1 crashes, 2 hangs, 3 answers NaN, 4 discards the step, 5 fails with a message, 6 leaks, 7 prints to standard output,
@@ -191,3 +192,36 @@ int fmi3DoStep(Plant *p, double time, double h, bool no_set, bool *event, bool *
     *reached = time + h;
     return step(p, time, h);
 }
+
+/* FMI 1.0 */
+
+typedef struct { void *logger, *allocate, *release; } ModelCallbacks;
+typedef struct { void *logger, *allocate, *release, *finished; } SlaveCallbacks;
+typedef struct { char converged, references, values, terminate, has_next; double next; } EventInfo;
+const char *plant_fmiGetVersion(void) { return "1.0"; }
+Plant *plant_fmiInstantiateModel(const char *name, const char *guid, ModelCallbacks callbacks, char logging) { return create(); }
+void plant_fmiFreeModelInstance(Plant *p) { free(p); }
+int plant_fmiEventUpdate(Plant *p, char intermediate, EventInfo *info) { *info = (EventInfo){.converged = 1}; return 0; }
+int plant_fmiInitialize(Plant *p, char controlled, double tolerance, EventInfo *info) { return plant_fmiEventUpdate(p, 0, info); }
+int plant_fmiCompletedIntegratorStep(Plant *p, char *event) { *event = 0; return 0; }
+int plant_fmiSetTime(Plant *p, double time) { p->time = time; return 0; }
+int plant_fmiSetContinuousStates(Plant *p, const double *x, size_t n) { return fmi2SetContinuousStates(p, x, n); }
+int plant_fmiGetContinuousStates(Plant *p, double *x, size_t n) { return fmi2GetContinuousStates(p, x, n); }
+int plant_fmiGetDerivatives(Plant *p, double *dx, size_t n) { return fmi2GetDerivatives(p, dx, n); }
+int plant_fmiGetEventIndicators(Plant *p, double *z, size_t n) { return 0; }
+int plant_fmiGetNominalContinuousStates(Plant *p, double *x, size_t n) { return fmi2GetNominalsOfContinuousStates(p, x, n); }
+int plant_fmiTerminate(Plant *p) { return 0; }
+Plant *plant_fmiInstantiateSlave(const char *name, const char *guid, const char *place, const char *mime, double timeout, char visible, char interactive, SlaveCallbacks callbacks, char logging) { return create(); }
+void plant_fmiFreeSlaveInstance(Plant *p) { free(p); }
+int plant_fmiInitializeSlave(Plant *p, double start, char has_stop, double stop) { return 0; }
+int plant_fmiTerminateSlave(Plant *p) { return 0; }
+int plant_fmiDoStep(Plant *p, double time, double h, char is_new) { return step(p, time, h); }
+int plant_fmiGetReal(Plant *p, const unsigned *vr, size_t n, double *values) { get(p, vr, n, values); return 0; }
+int plant_fmiSetReal(Plant *p, const unsigned *vr, size_t n, const double *values) { set(p, vr, n, values); return 0; }
+NOT_OFFERED(plant_fmiCancelStep) NOT_OFFERED(plant_fmiGetBoolean) NOT_OFFERED(plant_fmiGetBooleanStatus)
+NOT_OFFERED(plant_fmiGetInteger) NOT_OFFERED(plant_fmiGetIntegerStatus) NOT_OFFERED(plant_fmiGetModelTypesPlatform)
+NOT_OFFERED(plant_fmiGetRealOutputDerivatives) NOT_OFFERED(plant_fmiGetRealStatus)
+NOT_OFFERED(plant_fmiGetStateValueReferences) NOT_OFFERED(plant_fmiGetStatus) NOT_OFFERED(plant_fmiGetString)
+NOT_OFFERED(plant_fmiGetStringStatus) NOT_OFFERED(plant_fmiGetTypesPlatform) NOT_OFFERED(plant_fmiResetSlave)
+NOT_OFFERED(plant_fmiSetBoolean) NOT_OFFERED(plant_fmiSetDebugLogging) NOT_OFFERED(plant_fmiSetInteger)
+NOT_OFFERED(plant_fmiSetRealInputDerivatives) NOT_OFFERED(plant_fmiSetString)

@@ -6,6 +6,7 @@ FMI 2.0 and 3.0 for co-simulation. A scenario chooses it by `plant.command = ["p
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -51,9 +52,7 @@ class _ModelExchange:
             set_x=fmu.setContinuousStates,
             get_dx=fmu.getContinuousStateDerivatives if self.version == "3" else fmu.getDerivatives,
             get_z=fmu.getEventIndicators,
-            get_nominals=fmu.getNominalContinuousStates
-            if self.version == "1"
-            else fmu.getNominalsOfContinuousStates,
+            get_nominals=fmu.getNominalContinuousStates if self.version == "1" else fmu.getNominalsOfContinuousStates,
             set_time=fmu.setTime,
             input=_NoInput(),
             startTime=0.0,
@@ -129,10 +128,10 @@ def _get(fmu: Any, version: str, variable: Any) -> float:
     return float(getattr(fmu, f"get{_suffix(version, variable)}")([variable.valueReference])[0])
 
 
-class Plant:
+class _Plant:
     """An FMU in motion."""
 
-    def __init__(self, settings: dict[str, Any]) -> None:
+    def __init__(self, settings: dict[str, Any], folder: str) -> None:
         try:
             import fmpy
             from fmpy.simulation import apply_start_values, instantiate_fmu, settable_in_instantiated
@@ -148,10 +147,9 @@ class Plant:
             raise FmuError(f"the FMU's variable {self.torque.name!r} isn't an input, which plant.torque_input needs")
         self.outputs = [self.variable(key, settings[key], {"", "rad"}) for key in ("motor_output", "load_output")]
         self.outputs += [self.variable("signals", name) for name in settings.get("signals", [])]
-        self._folder = tempfile.TemporaryDirectory() if "unpack_into" not in settings else None
-        folder = fmpy.extract(settings["file"], unzipdir=settings.get("unpack_into") or self._folder.name)  # type: ignore[union-attr]
+        folder = fmpy.extract(settings["file"], unzipdir=folder)
         kind = "ModelExchange" if exchange else "CoSimulation"
-        self.fmu = instantiate_fmu(folder, self.description, fmi_type=kind)
+        self.fmu = instantiate_fmu(folder, self.description, fmi_type=kind, require_functions=False)
         start: dict[str, Any] = settings.get("start", {})
         for name in start:
             self.variable(f"start.{name}", name)
@@ -205,7 +203,8 @@ class Plant:
             raise FmuError(f"the FMU has no variable {name!r}, which plant.{key} names; it has {', '.join(near)}")
         found = variables[name]
         if units is not None and self.unit(found) not in units:
-            raise FmuError(f"the FMU's variable {name!r} has the unit {self.unit(found)}; plant.{key} needs {max(units)}")
+            unit = self.unit(found)
+            raise FmuError(f"the FMU's variable {name!r} has the unit {unit}; plant.{key} needs {max(units)}")
         return found
 
     @staticmethod
@@ -242,15 +241,19 @@ def serve(lines: IO[str], output: IO[str]) -> None:
     if not first:
         return
     try:
-        hello = json.loads(first)
-        if hello.get("lashloop_plant") != VERSION:
-            raise FmuError(f"the bench has version {hello.get('lashloop_plant')} of the protocol, not {VERSION}")
-        plant = Plant(hello["settings"])
-        send({"lashloop_plant": VERSION, "signals": plant.signals()} | plant.state())
-        for line in lines:
-            held = json.loads(line)
-            plant.step(held["torque_nm"], held["dt_s"])
-            send(plant.state())
+        with contextlib.ExitStack() as stack:
+            hello = json.loads(first)
+            if hello.get("lashloop_plant") != VERSION:
+                raise FmuError(f"the bench has version {hello.get('lashloop_plant')} of the protocol, not {VERSION}")
+            settings = hello["settings"]
+            # The bench gives a folder and removes it.
+            folder = settings.get("unpack_into") or stack.enter_context(tempfile.TemporaryDirectory())
+            plant = _Plant(settings, folder)
+            send({"lashloop_plant": VERSION, "signals": plant.signals()} | plant.state())
+            for line in lines:
+                held = json.loads(line)
+                plant.step(held["torque_nm"], held["dt_s"])
+                send(plant.state())
     # What FMPy raises has many types; each of them ends the run with its text.
     except Exception as error:
         text = str(error) if isinstance(error, FmuError) else f"{type(error).__name__}: {error}"
@@ -258,6 +261,7 @@ def serve(lines: IO[str], output: IO[str]) -> None:
 
 
 def main() -> None:
+    """Serves standard input."""
     # Standard output is for the protocol alone: what the FMU prints goes to standard error.
     output = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
