@@ -63,7 +63,11 @@ impl Archive {
 
     /// Unpacks everything into a folder.
     pub(crate) fn unpack(&mut self, folder: &Path) -> Result<(), FmuError> {
-        let mut left = LARGEST;
+        self.unpack_within(LARGEST, folder)
+    }
+
+    fn unpack_within(&mut self, limit: u64, folder: &Path) -> Result<(), FmuError> {
+        let mut left = limit;
         for index in 0..self.zip.len() {
             let mut entry = self
                 .zip
@@ -71,7 +75,7 @@ impl Archive {
                 .map_err(|error| FmuError::Archive { file: self.file.clone(), reason: error.to_string() })?;
             let name = String::from_utf8_lossy(entry.name_raw()).into_owned();
             // A link could lead out of the folder, and the next entry through it.
-            let path = entry.enclosed_name().filter(|_| !entry.is_symlink());
+            let path = entry.enclosed_name().filter(|_| !entry.is_symlink() && !name.starts_with('/'));
             let path = folder.join(path.ok_or(FmuError::Escape { entry: name.clone() })?);
             let mut unpack = |path: &Path| {
                 if entry.is_dir() {
@@ -85,12 +89,74 @@ impl Archive {
                 file: self.file.clone(),
                 reason: format!("{name}: {error}"),
             })?;
-            left = left.checked_sub(bytes).ok_or(FmuError::TooLarge { limit: LARGEST / MIB })?;
+            left = left.checked_sub(bytes).ok_or(FmuError::TooLarge { limit: limit / MIB })?;
         }
         Ok(())
     }
 
     fn wrong(&self, reason: String) -> FmuError {
         FmuError::Archive { file: self.file.clone(), reason }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+
+    fn packed(fill: impl FnOnce(&mut ZipWriter<File>)) -> (tempfile::TempDir, Archive) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.fmu");
+        let mut zip = ZipWriter::new(File::create(&path).expect("a file"));
+        fill(&mut zip);
+        zip.finish().expect("an archive");
+        (folder, Archive::open(&path).expect("an archive"))
+    }
+
+    #[test]
+    fn an_archive_unpacks_up_to_its_limit_whatever_it_states() {
+        let fill = |zip: &mut ZipWriter<File>| {
+            for name in ["resources/a", "resources/b"] {
+                zip.start_file(name, SimpleFileOptions::default()).expect("an entry");
+                zip.write_all(&vec![0; MIB as usize]).expect("an entry");
+            }
+        };
+        let (folder, mut archive) = packed(fill);
+        archive.unpack_within(2 * MIB, folder.path()).expect("2 MiB");
+        assert_eq!(fs::metadata(folder.path().join("resources/b")).expect("a file").len(), MIB);
+        let error = archive.unpack_within(2 * MIB - 1, folder.path()).expect_err("a byte too many");
+        assert!(error.to_string().starts_with("the FMU unpacks to more than 1 MiB"), "{error}");
+    }
+
+    #[test]
+    fn an_entry_or_a_link_that_leaves_the_folder_is_named() {
+        let options = SimpleFileOptions::default();
+        for name in ["../a", "/etc/a", "resources/../../a"] {
+            let (folder, mut archive) = packed(|zip| zip.start_file(name, options).expect("an entry"));
+            let error = archive.unpack(folder.path()).expect_err(name).to_string();
+            assert!(error.contains(&format!("an entry {name:?} that leaves its folder")), "{error}");
+        }
+        let (folder, mut archive) =
+            packed(|zip| zip.add_symlink("resources", "/etc", options).expect("a link"));
+        let error = archive.unpack(folder.path()).expect_err("a link").to_string();
+        assert!(error.contains("an entry \"resources\" that leaves"), "{error}");
+    }
+
+    #[test]
+    fn platforms_are_the_folders_with_binaries() {
+        let (_folder, archive) = packed(|zip| {
+            for name in
+                ["binaries/win64/a.dll", "binaries/win64/b.dll", "binaries/darwin64/a.dylib", "sources/a.c"]
+            {
+                zip.start_file(name, SimpleFileOptions::default()).expect("an entry");
+            }
+            zip.add_directory("binaries/linux64/", SimpleFileOptions::default()).expect("an entry");
+        });
+        assert_eq!(archive.platforms(), ["darwin64", "win64"]);
+        assert!(archive.has_sources());
     }
 }

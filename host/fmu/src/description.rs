@@ -155,3 +155,69 @@ fn variables(root: Node<'_, '_>, version: Version) -> Result<Vec<Variable>, FmuE
     }
     Ok(variables)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: &str = include_str!("../../../tests/data/fmu/one.xml");
+    const TWO: &str = include_str!("../../../tests/data/fmu/two.xml");
+    const THREE: &str = include_str!("../../../tests/data/fmu/three.xml");
+
+    fn read(text: &str) -> Description {
+        Description::parse(text).expect("a description")
+    }
+
+    #[test]
+    fn units_are_those_of_the_variable_or_of_its_type() {
+        for text in [ONE, TWO, THREE] {
+            let description = read(text);
+            let unit = |name| description.variables.iter().find(|it| it.name == name).map(|it| &*it.unit);
+            let units = ["torque", "motor.phi", "twist"].map(unit);
+            assert_eq!(units, [Some("N.m"), Some("rad"), Some("rad")]);
+        }
+    }
+
+    #[test]
+    fn kinds_of_each_version_are_told_apart() {
+        let kinds = |text: &str| {
+            let description = read(text);
+            (description.version, description.co_simulation.is_some(), description.has_model_exchange)
+        };
+        assert_eq!(kinds(TWO), (Version::Two, true, true));
+        assert_eq!(kinds(THREE), (Version::Three, true, false));
+        assert_eq!(kinds(ONE), (Version::One, false, false));
+        assert_eq!(kinds(&ONE.replace("Implementation", "VendorAnnotations")), (Version::One, false, true));
+        let error = Description::parse(&TWO.replace("fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""))
+            .expect_err("a new one");
+        assert!(
+            error.to_string().starts_with("the FMU is of FMI 4.0, and lashloop-fmu takes 2.0 and 3.0"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn aliases_arrays_and_what_tools_add_are_read() {
+        let three = read(
+            &THREE.replace("<CoSimulation", "<CoSimulation vendor=\"x\" fixedInternalStepSize=\"1e-4\""),
+        );
+        let named = |name: &str| three.variables.iter().find(|it| it.name == name).expect(name);
+        assert_eq!(named("rotor.phi").reference, named("motor.phi").reference);
+        assert_eq!((named("table").is_array, named("twist").kind), (true, Kind::Float32));
+        assert_eq!(three.co_simulation.and_then(|it| it.inner_step_s), Some(1e-4));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let error =
+            |from: &str, to: &str| Description::parse(&TWO.replace(from, to)).expect_err(to).to_string();
+        assert!(
+            error("modelIdentifier=\"plant\" canHandle", "canHandle")
+                .contains("<CoSimulation> has no modelIdentifier")
+        );
+        assert!(
+            error("valueReference=\"3\"", "valueReference=\"x\"").contains("a valueReference isn't a number")
+        );
+        assert!(error("</fmiModelDescription>", "").contains("modelDescription.xml can't be read"));
+    }
+}

@@ -2,8 +2,6 @@
 
 use std::io;
 
-use crate::description::Version;
-
 /// Why an FMU can't be a plant, or can't continue.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FmuError {
@@ -61,11 +59,4 @@ pub(crate) enum FmuError {
     Line { line: String, reason: String },
     #[error("standard input or output: {0}")]
     Pipe(#[from] io::Error),
-}
-
-impl FmuError {
-    /// The error of an FMU of this version.
-    pub(crate) fn version(version: Version) -> Self {
-        Self::Version(version.to_string())
-    }
 }

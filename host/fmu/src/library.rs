@@ -11,13 +11,13 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr;
-use std::sync::{Mutex, PoisonError};
 
 use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_LOCAL, RTLD_NOW};
 use serde_json::Value;
 
 use crate::description::{Description, Version};
 use crate::error::FmuError;
+use crate::status::{log, logged, passed, status_name};
 use crate::steps::Step;
 use crate::variable::{Kind, Variable};
 
@@ -25,9 +25,6 @@ type Pointer = *mut c_void;
 type Text = *const c_char;
 /// A function that takes the instance alone.
 type Plain = unsafe extern "C" fn(Pointer) -> c_int;
-
-/// The FMU's last message, for errors. A static, because FMI 2.0 calls back with an environment of the FMU's choice.
-static LAST_MESSAGE: Mutex<String> = Mutex::new(String::new());
 
 /// `fmi2CallbackFunctions`.
 #[repr(C)]
@@ -357,36 +354,6 @@ fn integer<T: TryFrom<i64>>(value: &Value) -> Option<T> {
 /// A text for C, cut at a NUL.
 fn text(text: &str) -> CString {
     CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
-}
-
-fn passed(function: &str, status: c_int) -> Result<(), FmuError> {
-    match status {
-        0 | 1 => Ok(()),
-        _ => {
-            Err(FmuError::Call { function: function.to_owned(), status: status_name(status), log: logged() })
-        }
-    }
-}
-
-const fn status_name(status: c_int) -> &'static str {
-    match status {
-        2 => "\"discard\"",
-        3 => "\"error\"",
-        4 => "\"fatal\"",
-        5 => "\"pending\", but lashloop-fmu waits for each step",
-        _ => "a status that FMI lacks",
-    }
-}
-
-/// `: TEXT` of the last message, if there is one.
-fn logged() -> String {
-    let message = LAST_MESSAGE.lock().unwrap_or_else(PoisonError::into_inner);
-    if message.is_empty() { String::new() } else { format!(": {message}") }
-}
-
-fn log(message: &str) {
-    eprintln!("{message}");
-    message.clone_into(&mut LAST_MESSAGE.lock().unwrap_or_else(PoisonError::into_inner));
 }
 
 /// A text of the FMU; empty if it is NULL.

@@ -7,6 +7,7 @@
 //! | `variable` | a variable: type, unit, start value |
 //! | `names` | variables found by name |
 //! | `library` | the C functions of the FMU; the only unsafe code |
+//! | `status` | statuses of the C functions, and the FMU's messages |
 //! | `steps` | communication steps, and their times |
 //! | `plant` | an FMU as a plant |
 //! | `protocol` | the lines of the plant-process protocol |
@@ -24,6 +25,7 @@ mod names;
 mod plant;
 mod protocol;
 mod show;
+mod status;
 mod steps;
 mod variable;
 

@@ -56,7 +56,7 @@ impl Plant {
         let mut archive = Archive::open(&settings.file)?;
         let description = Description::parse(&archive.description()?)?;
         if description.version == Version::One {
-            return Err(FmuError::version(description.version));
+            return Err(FmuError::Version(description.version.to_string()));
         }
         let fmu = description.co_simulation.as_ref().ok_or(FmuError::NoCoSimulation)?;
         let binary = binary(&description, fmu, &archive)?;

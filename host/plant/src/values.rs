@@ -82,10 +82,8 @@ impl PlantValues {
     /// # Errors
     /// The key has no list of texts.
     pub fn texts(&self, key: &'static str) -> Result<Vec<String>, PlantError> {
-        let text = |value: &PlantValue| match value {
-            PlantValue::Text(text) => Some(text.clone()),
-            _ => None,
-        };
+        let text =
+            |value: &PlantValue| if let PlantValue::Text(text) = value { Some(text.clone()) } else { None };
         let texts = match self.get(key) {
             Some(PlantValue::List(items)) => items.iter().map(text).collect(),
             _ => None,

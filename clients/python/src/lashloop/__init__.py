@@ -11,6 +11,7 @@
 | `declarations` | parameters and signals of a law, each declared once |
 | `drive` | a drive: state machine without I/O, and the loop that runs it on a link |
 | `control` | control laws of a drive |
+| `fmu` | `python -m lashloop.fmu`: FMUs for model exchange or of FMI 1.0 as plants |
 """
 
 from lashloop.errors import LashloopError
