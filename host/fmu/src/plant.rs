@@ -73,7 +73,7 @@ impl Plant {
             Ok((named(name, &format!("start.{name}"), Role::Start)?, value.clone()))
         };
         let start: Vec<_> = settings.start.iter().map(start).collect::<Result<_, FmuError>>()?;
-        let steps = Steps::new(fmu, settings.step_us, period_s)?;
+        let steps = Steps::new(fmu, description.preferred_step_s, settings.step_us, period_s)?;
         let own_folder = if settings.unpack_into.is_none() { Some(tempfile::tempdir()?) } else { None };
         let folder = settings.unpack_into.as_deref().or(own_folder.as_ref().map(TempDir::path));
         let folder = folder.unwrap_or(Path::new("."));

@@ -114,5 +114,5 @@ fn section(file: &Path, description: &Description) -> String {
 /// The first variable whose name has one of the words, the words in their order.
 fn pick<'a>(variables: &[&'a Variable], words: &[&str]) -> Option<&'a Variable> {
     let find = |word: &&str| variables.iter().find(|it| it.name.to_lowercase().contains(*word)).copied();
-    words.iter().find_map(|word| find(&word))
+    words.iter().find_map(find)
 }

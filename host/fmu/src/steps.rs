@@ -28,10 +28,17 @@ pub(crate) struct Step {
 }
 
 impl Steps {
-    /// Those of a run with this period. `step_us` is that of the scenario, 0 for the period.
-    pub(crate) fn new(fmu: &CoSimulation, step_us: u32, period_s: f64) -> Result<Self, FmuError> {
+    /// Those of a run with this period. `step_us` is that of the scenario; with 0 an FMU that takes one step only gets the one it
+    /// prefers, any other one the period.
+    pub(crate) fn new(
+        fmu: &CoSimulation,
+        preferred_step_s: Option<f64>,
+        step_us: u32,
+        period_s: f64,
+    ) -> Result<Self, FmuError> {
         let given_s = (step_us > 0).then_some(f64::from(step_us) / 1e6);
-        let step_s = given_s.or((!fmu.takes_any_step).then_some(period_s));
+        let only_s = preferred_step_s.filter(|step_s| *step_s > 0.0).unwrap_or(period_s);
+        let step_s = given_s.or((!fmu.takes_any_step).then_some(only_s));
         let steps = Self { step_s, inner_step_s: fmu.inner_step_s, elapsed_ns: 0 };
         // What fails in the first period fails before the run.
         steps.count(period_s)?;
@@ -94,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_time_is_step_number_times_step() {
-        let mut steps = Steps::new(&fmu(true, None), 0, 1e-3).expect("any step");
+        let mut steps = Steps::new(&fmu(true, None), Some(1e-4), 0, 1e-3).expect("any step");
         for k in 0..100_000_u32 {
             let all: Vec<_> = steps.hold(1e-3).expect("a step").collect();
             assert_eq!(all, [Step { time_s: f64::from(k) / 1e3, step_s: 1e-3 }]);
@@ -104,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_period_is_split_into_the_given_step() {
-        let mut steps = Steps::new(&fmu(false, Some(5e-5)), 250, 1e-3).expect("a divisor");
+        let mut steps = Steps::new(&fmu(false, Some(5e-5)), None, 250, 1e-3).expect("a divisor");
         let times: Vec<_> = steps.hold(1e-3).expect("four").map(|it| it.time_s).collect();
         assert_eq!(times, [0.0, 0.25e-3, 0.5e-3, 0.75e-3]);
         let split: Vec<_> = steps.hold(1e-3 - 0.5e-3).expect("two").map(|it| it.time_s).collect();
@@ -113,7 +120,8 @@ mod tests {
 
     #[test]
     fn a_step_that_does_not_fit_is_refused() {
-        let error = |fmu, step_us| Steps::new(&fmu, step_us, 1e-3).expect_err("no multiple").to_string();
+        let error =
+            |fmu, step_us| Steps::new(&fmu, Some(3e-4), step_us, 1e-3).expect_err("no multiple").to_string();
         let have = error(fmu(true, Some(3e-4)), 0);
         assert!(
             have.starts_with("the FMU takes steps of 0.0003 s, and 0.001 s isn't a multiple of it"),
@@ -121,8 +129,13 @@ mod tests {
         );
         let have = error(fmu(true, None), 300);
         assert!(have.contains("set plant.step_us to a step that divides the control period"), "{have}");
+        let have = error(fmu(false, None), 0);
+        assert!(
+            have.starts_with("the FMU takes steps of 0.0003 s, and 0.001 s isn't"),
+            "the step it prefers: {have}"
+        );
         // A torque that arrives within the period needs another step than the first one.
-        let mut steps = Steps::new(&fmu(false, None), 0, 1e-3).expect("the period");
+        let mut steps = Steps::new(&fmu(false, None), None, 0, 1e-3).expect("the period");
         assert!(steps.hold(3e-4).is_err());
     }
 }

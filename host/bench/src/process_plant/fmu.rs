@@ -36,7 +36,7 @@ pub fn model(bench: Option<PathBuf>) -> PlantModel {
             "us",
             0,
             0..=1_000_000,
-            "Communication step of the FMU; 0 for one step in each control period.",
+            "Communication step; 0 for the control period, or for the step that an FMU of one step size prefers.",
         ),
         Key::number(
             "tolerance",
