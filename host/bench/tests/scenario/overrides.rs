@@ -103,7 +103,7 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
     --set plant.stiffness_nm_rad=-1: plant.stiffness_nm_rad: -1 is out of range; it must be >= 1e-6 and <= 1e6 N m/rad
-    --set plant.model=hard: plant.model: "hard" is not a choice; it must be "smooth", "hard-coulomb", "backlash-shaft" or "process"
+    --set plant.model=hard: plant.model: "hard" is not a choice; it must be "smooth", "hard-coulomb", "backlash-shaft", "process" or "fmu"
     --set plant.stifness_n_m_rad=2: plant.stifness_n_m_rad: unknown key; did you mean stiffness_nm_rad?
     --set plnt.model=smooth: plnt: unknown key; did you mean plant?
     --set run.duration_ms=5: run.duration_ms: 5 is in a wrong unit; write duration_s, in s
