@@ -34,9 +34,9 @@ pub const START: &str =
     "\n[plant.start]\n\"motor.start\" = 4.71238898038469\n\"load.start\" = 1.5707963267948966\n";
 
 /// A folder with an FMU and a scenario.
-pub struct Bench(TempDir);
+pub struct FmuFolder(TempDir);
 
-impl Bench {
+impl FmuFolder {
     /// Without an FMU.
     ///
     /// # Panics
@@ -54,15 +54,15 @@ impl Bench {
     pub fn new(description: &str, libraries: &[&str]) -> Self {
         let data = workspace().join("tests/data/fmu");
         let xml = fs::read_to_string(data.join(format!("{description}.xml"))).expect("a description");
-        let bench = Self::empty();
-        let library = bench.path("plant.so");
+        let fmu = Self::empty();
+        let library = fmu.path("plant.so");
         let mut compiler = Command::new("cc");
         compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(data.join("plant.c")).arg("-lm");
         assert!(compiler.status().expect("a C compiler").success(), "the FMU does not build");
         let library = fs::read(library).expect("the library");
         let libraries = libraries.iter().map(|name| (*name, &*library));
-        bench.pack([("modelDescription.xml", xml.as_bytes())].into_iter().chain(libraries));
-        bench
+        fmu.pack([("modelDescription.xml", xml.as_bytes())].into_iter().chain(libraries));
+        fmu
     }
 
     /// Replaces the FMU by one with these entries.

@@ -3,17 +3,17 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use tests::fmu::{Bench, LINUX, PLANT, START, difference_rad};
+use tests::fmu::{FmuFolder, LINUX, PLANT, START, difference_rad};
 use tests::program;
 use tests::records::Records;
 
 /// The error of a run with these lines in `[plant]` and after `[plant.start]`, which must come soon and leave a readable record.
-fn error(bench: &Bench, plant: &str, start: &str) -> String {
+fn error(fmu: &FmuFolder, plant: &str, start: &str) -> String {
     let records = Records::new();
     let began = Instant::now();
-    let ended = bench.run(&format!("{plant}{START}{start}"), 0.1, &records, &[]).with_code(2);
+    let ended = fmu.run(&format!("{plant}{START}{start}"), 0.1, &records, &[]).with_code(2);
     assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());
-    bench.check_nothing_is_left();
+    fmu.check_nothing_is_left();
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
     ended.stderr
 }
@@ -21,16 +21,16 @@ fn error(bench: &Bench, plant: &str, start: &str) -> String {
 #[test]
 fn an_fmu_moves_as_the_smooth_plant_does_and_repeats_bit_for_bit() {
     let smooth = Records::new();
-    let bench = Bench::new("two", &LINUX);
-    let _ = bench.run("[plant]\nmodel = \"smooth\"\n", 3.0, &smooth, &[]).with_code(0);
+    let fmu = FmuFolder::new("two", &LINUX);
+    let _ = fmu.run("[plant]\nmodel = \"smooth\"\n", 3.0, &smooth, &[]).with_code(0);
     for description in ["two", "three"] {
-        let bench = Bench::new(description, &LINUX);
+        let fmu = FmuFolder::new(description, &LINUX);
         let runs = [(); 2].map(|()| Records::new());
         for records in &runs {
             let plant = format!("{PLANT}files = [\"scenario.toml\"]\n{START}");
-            let _ = bench.run(&plant, 3.0, records, &[]).with_code(0);
+            let _ = fmu.run(&plant, 3.0, records, &[]).with_code(0);
         }
-        bench.check_nothing_is_left();
+        fmu.check_nothing_is_left();
         let [first, second] = [&runs[0], &runs[1]].map(|records| records.summary()["torque_sha256"].clone());
         assert_eq!(first, second, "{description}");
         let off_rad = difference_rad(&runs[0], &smooth);
@@ -47,18 +47,18 @@ fn an_fmu_moves_as_the_smooth_plant_does_and_repeats_bit_for_bit() {
 
 #[test]
 fn a_period_is_split_into_communication_steps_at_exact_times() {
-    let bench = Bench::new("two", &LINUX);
+    let fmu = FmuFolder::new("two", &LINUX);
     let records = Records::new();
     // The FMU compares the times with its own.
     let plant = format!("{PLANT}step_us = 100\n{START}only_step = 1e-4\nis_wet = true\nnote = \"dry\"\n");
     let delayed = ["--set", "line.delay_us=300"];
-    let _ = bench.run(&plant, 2.0, &records, &delayed).with_code(0);
+    let _ = fmu.run(&plant, 2.0, &records, &delayed).with_code(0);
     assert_eq!(records.trace().column("steps").last(), Some(&19_990.0));
 }
 
 #[test]
 fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
-    let bench = Bench::new("two", &LINUX);
+    let fmu = FmuFolder::new("two", &LINUX);
     let fast = PLANT.replace("step_timeout_ms = 30000", "step_timeout_ms = 500");
     for (plant, start, want) in [
         (PLANT, "mode = 1\n", "the plant's process ended in the middle of the run: signal: 11"),
@@ -73,24 +73,24 @@ fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
         (PLANT, "only_step = 2e-3\n", "answers \"discard\": this step isn't the one it takes"),
     ] {
         let records = Records::new();
-        let ended = bench.run(&format!("{plant}{START}{start}"), 0.1, &records, &[]).with_code(2);
+        let ended = fmu.run(&format!("{plant}{START}{start}"), 0.1, &records, &[]).with_code(2);
         assert!(ended.stderr.contains(want) && ended.stderr.lines().count() == 1, "{want}: {}", ended.stderr);
-        bench.check_nothing_is_left();
+        fmu.check_nothing_is_left();
         let failure = records.record().failure.expect("why there is no summary").error;
         assert!(failure.contains(want), "{failure}");
     }
     for harmless in ["mode = 6\n", "mode = 7\n"] {
-        let _ = bench.run(&format!("{PLANT}{START}{harmless}"), 0.1, &Records::new(), &[]).with_code(0);
-        bench.check_nothing_is_left();
+        let _ = fmu.run(&format!("{PLANT}{START}{harmless}"), 0.1, &Records::new(), &[]).with_code(0);
+        fmu.check_nothing_is_left();
     }
-    let bench = Bench::new("three", &LINUX);
-    let have = error(&bench, PLANT, "mode = 8\n");
+    let fmu = FmuFolder::new("three", &LINUX);
+    let have = error(&fmu, PLANT, "mode = 8\n");
     assert!(have.contains("the FMU ends the simulation at t = 0.002 s"), "{have}");
 }
 
 #[test]
 fn what_does_not_fit_is_named_before_the_run() {
-    let bench = Bench::new("two", &LINUX);
+    let fmu = FmuFolder::new("two", &LINUX);
     let changed = |from: &str, to: &str| PLANT.replace(from, to);
     for (plant, start, want) in [
         (
@@ -126,37 +126,37 @@ fn what_does_not_fit_is_named_before_the_run() {
             "libnone.so.1: cannot open shared object file",
         ),
     ] {
-        let have = error(&bench, &plant, start);
+        let have = error(&fmu, &plant, start);
         assert!(have.contains(want), "have {have}\nwant {want}");
     }
     let records = Records::new();
-    let have = bench.run(PLANT, 0.1, &records, &[]).with_code(2).stderr;
+    let have = fmu.run(PLANT, 0.1, &records, &[]).with_code(2).stderr;
     assert!(
         have.contains("starts with motor_position_rad = 0, and plant.initial.motor_position_rad is 4.71"),
         "{have}"
     );
     let moving = ["--set", "plant.initial.load_velocity_rad_s=1"];
-    let have = bench.run(&format!("{PLANT}{START}"), 0.1, &records, &moving).with_code(2).stderr;
+    let have = fmu.run(&format!("{PLANT}{START}"), 0.1, &records, &moving).with_code(2).stderr;
     assert!(have.contains("plant.initial has a velocity, and an FMU starts as plant.start says"), "{have}");
 }
 
 #[test]
 fn archives_that_cannot_run_here_are_refused_with_a_remedy() {
-    let windows = Bench::new("two", &["binaries/win64/plant.dll"]);
+    let windows = FmuFolder::new("two", &["binaries/win64/plant.dll"]);
     let have = error(&windows, PLANT, "");
     assert!(
         have.contains("the FMU has binaries for win64, and none for linux64; export it on Linux"),
         "{have}"
     );
 
-    let bench = Bench::new("two", &LINUX);
+    let fmu = FmuFolder::new("two", &LINUX);
     let two = fs::read_to_string(tests::workspace().join("tests/data/fmu/two.xml")).expect("a description");
     let line = two.lines().find(|line| line.contains("<CoSimulation")).expect("its line");
     let fixed = two.replace("canHandleVariableCommunicationStepSize=\"true\"", "");
     let exchange = two.replace(line, "");
     let of_one = two.replace("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"");
     let named = "modelDescription.xml";
-    let library = fs::read(bench.path("plant.so")).expect("the library");
+    let library = fs::read(fmu.path("plant.so")).expect("the library");
     for (entries, want) in [
         (vec![(named, exchange.as_bytes())], "is for model exchange only, and lashloop-fmu has no solver"),
         (vec![(named, of_one.as_bytes())], "is of FMI 1.0, and lashloop-fmu takes 2.0 and 3.0"),
@@ -170,32 +170,32 @@ fn archives_that_cannot_run_here_are_refused_with_a_remedy() {
             "has an entry \"resources/../../../outside\" that leaves its folder",
         ),
     ] {
-        bench.pack(entries);
-        let have = error(&bench, PLANT, "");
+        fmu.pack(entries);
+        let have = error(&fmu, PLANT, "");
         assert!(have.contains(want), "have {have}\nwant {want}");
     }
-    assert!(!bench.path("outside").exists(), "nothing leaves the folder");
+    assert!(!fmu.path("outside").exists(), "nothing leaves the folder");
     // A torque that arrives within a period splits it.
-    bench.pack([(named, fixed.as_bytes()), (LINUX[0], &library)]);
+    fmu.pack([(named, fixed.as_bytes()), (LINUX[0], &library)]);
     let plant = format!("{PLANT}{START}");
     let delayed = ["--set", "line.delay_us=300"];
-    let have = bench.run(&plant, 0.1, &Records::new(), &delayed).with_code(2).stderr;
+    let have = fmu.run(&plant, 0.1, &Records::new(), &delayed).with_code(2).stderr;
     assert!(
         have.contains("set plant.step_us to a step that divides the control period and each delay"),
         "{have}"
     );
-    let _ = bench.run(&plant, 0.1, &Records::new(), &[]).with_code(0);
+    let _ = fmu.run(&plant, 0.1, &Records::new(), &[]).with_code(0);
 }
 
 #[test]
 fn show_prints_a_section_that_runs() {
     for description in ["two", "three"] {
-        let bench = Bench::new(description, &LINUX);
-        let fmu = bench.path("plant.fmu").display().to_string();
-        let shown = program::run(["fmu", "show", &fmu]).with_code(0).stdout;
+        let fmu = FmuFolder::new(description, &LINUX);
+        let file = fmu.path("plant.fmu").display().to_string();
+        let shown = program::run(["fmu", "show", &file]).with_code(0).stdout;
         let at = shown.find("[plant]").expect("a section");
-        let _ = bench.run(&shown[at..], 0.1, &Records::new(), &[]).with_code(0);
-        insta::assert_snapshot!(format!("fmu_show_{description}"), shown.replace(&fmu, "plant.fmu"));
+        let _ = fmu.run(&shown[at..], 0.1, &Records::new(), &[]).with_code(0);
+        insta::assert_snapshot!(format!("fmu_show_{description}"), shown.replace(&file, "plant.fmu"));
     }
     let ended = program::run(["fmu", "show", "README.md"]).with_code(2);
     assert!(ended.stderr.starts_with("lashloop-fmu: README.md isn't an FMU: "), "{}", ended.stderr);

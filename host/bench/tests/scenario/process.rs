@@ -51,6 +51,29 @@ fn errors_of_a_process_plant_name_their_key() {
 }
 
 #[test]
+fn an_fmu_needs_its_file_and_three_variables() {
+    let with =
+        |keys: &str| read(&SHORTEST.replace("model = \"smooth\"", &format!("model = \"fmu\"\n{keys}")), &[]);
+    let needed = "file = \"a.fmu\"\ntorque_input = \"tau\"\nmotor_output = \"motor.phi\"\nload_output = \"load.phi\"\n";
+    for key in needed.lines() {
+        let name = key.split(' ').next().expect("a name");
+        let have = with(&needed.replace(key, "")).expect_err(name);
+        let want = format!("x.toml:4: plant.{name}: is missing; it must be a text in quotes");
+        assert_eq!(have, want);
+    }
+    let have = with(&format!("{needed}signals = \"twist\"")).expect_err("a text");
+    assert!(
+        have.contains("plant.signals: \"twist\" is text; it must be a list of texts in quotes"),
+        "{have}"
+    );
+    let start = "[plant.start]\n\"motor.start\" = 1.5\nis_wet = true\nnote = \"dry\"\n";
+    let scenario = with(&format!("{needed}{start}")).expect("a good scenario");
+    assert_eq!(scenario.plant.values.texts("files"), Ok(Vec::new()));
+    let printed = scenario.to_toml().expect("TOML");
+    assert_eq!(read(&printed, &[]).expect(&printed).plant, scenario.plant, "{printed}");
+}
+
+#[test]
 fn a_plant_that_takes_no_change_refuses_its_faults() {
     let fault = "[[fault]]\nat_s = 0.5\nkind = \"load-torque\"\ntorque_nm = 1\n";
     let text = SHORTEST.replace("model = \"smooth\"", &format!("model = \"process\"\n{COMMAND}")) + fault;
