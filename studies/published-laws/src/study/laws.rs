@@ -1,7 +1,10 @@
 //! The laws of the comparison: their scenarios, and what is tuned within which range.
 
-use std::string::String;
 use std::vec::Vec;
+
+use battery::campaign::Battery;
+
+use super::hard::LIGHTEST;
 
 /// A parameter that the search may change.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +23,8 @@ pub struct Law {
     pub scenario: &'static str,
     /// Parameters of the search; none if the constants are the paper's.
     pub tuned: &'static [Tuned],
+    /// Values of these parameters and [`LIGHTEST`] on the harder battery, found by `tune --hard`; none as in the scenario.
+    pub hard: &'static [f64],
     /// Whether the law is Lashloop's own.
     pub ours: bool,
 }
@@ -46,12 +51,14 @@ pub const LAWS: [Law; 10] = [
         name: "pd",
         scenario: include_str!("../../../../scenarios/shaft-pd.toml"),
         tuned: &[],
+        hard: &[],
         ours: false,
     },
     Law {
         name: "merzouki",
         scenario: include_str!("../../../../scenarios/shaft-merzouki.toml"),
         tuned: &[],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -67,6 +74,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -84,6 +92,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -102,6 +111,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -121,6 +131,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -139,6 +150,7 @@ pub const LAWS: [Law; 10] = [
             BAND,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -155,18 +167,21 @@ pub const LAWS: [Law; 10] = [
             BAND,
             MOTOR_FILTER,
         ],
+        hard: &[],
         ours: false,
     },
     Law {
         name: "backlash-inverse",
         scenario: include_str!("../../../../scenarios/shaft-backlash-inverse.toml"),
         tuned: &[],
+        hard: &[],
         ours: true,
     },
     Law {
         name: "braking-curve",
         scenario: include_str!("../../../../scenarios/shaft-braking-curve.toml"),
         tuned: &[tuned("pace", 0.5, 1.6)],
+        hard: &[],
         ours: true,
     },
 ];
@@ -183,11 +198,10 @@ impl Law {
         })
     }
 
-    /// Values of the tuned parameters as settings of a scenario.
+    /// What is searched for a battery.
     #[must_use]
-    pub fn settings(&self, values: &[f64]) -> Vec<String> {
-        let setting =
-            |(tuned, value): (&Tuned, &f64)| std::format!("controller.parameters.{}={value:?}", tuned.name);
-        self.tuned.iter().zip(values).map(setting).collect()
+    pub fn searched(&self, battery: Battery) -> Vec<Tuned> {
+        let hard = battery == Battery::Hard && !self.ours && !self.tuned.is_empty();
+        self.tuned.iter().copied().chain(hard.then_some(LIGHTEST)).collect()
     }
 }
