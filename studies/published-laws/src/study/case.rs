@@ -126,7 +126,8 @@ fn known_to(law: &Law, random: &RandomPlant<'_>) -> Vec<String> {
     random.settings().into_iter().filter(|setting| parameter(setting) != Some(false)).collect()
 }
 
-/// Runs a law on a plant. `values` are those of its tuned parameters at the nominal machine, else those that it has.
+/// Runs a law on a plant. `values` are those of its tuned parameters at the nominal machine; by default it
+/// has those of its scenario, and at another machine those for the harder battery.
 ///
 /// # Errors
 /// The scenario refuses a setting, or the run can't be carried out.
@@ -139,17 +140,17 @@ pub fn figures(law: &Law, plant: Plant, values: Option<&[f64]>, duration_s: f64)
     let mut minimum_s = None;
     let plants = plant.random()?;
     let random = plants.as_ref().map(|(plants, index)| plants.plant(*index)).transpose()?;
-    let hard = matches!(plant, Plant::Hard { .. });
     if let Some(random) = &random {
         let drawn = random.number("encoders.load_counts_per_rev").context("a plant has encoders")?;
         counts = drawn as u32;
         all.extend(known_to(law, random));
-        if hard {
+        if matches!(plant, Plant::Hard { .. }) {
             minimum_s = Some(random.minimum_settle_time_s().context("a motor that moves the load")?);
         }
     }
-    if let Some(values) = values.or(hard.then_some(law.hard)) {
-        all.extend(Machine::of(random.as_ref()).settings(law.tuned, values));
+    let machine = Machine::of(random.as_ref());
+    if let Some(values) = values.or((machine != Machine::of(None)).then_some(law.hard)) {
+        all.extend(machine.settings(law.tuned, values));
     }
     let all: Vec<&str> = all.iter().map(String::as_str).collect();
     let scenario = bench.scenario_from_str(law.scenario, &all).with_context(|| law.name.to_string())?;

@@ -21,8 +21,6 @@ use lashloop_firmware::control::nominal_model::NominalModel;
 
 use super::laws::Tuned;
 
-/// Largest r, the last of the tuned values on the harder battery.
-pub const LIGHTEST: Tuned = Tuned { name: "lightest", range: [1.0, 2.5] };
 const TORQUE_LIMIT_NM: f64 = 20.0;
 /// The largest load velocity that is commanded: a part of the drive's `motor_speed_limit_rad_s`, as of `braking-curve`.
 const MOTOR_SPEED_RAD_S: f64 = 0.6 * 1000.0;
