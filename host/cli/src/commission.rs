@@ -1,7 +1,6 @@
 //! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
 
 use std::cell::RefCell;
-use std::f64::consts::TAU;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -9,12 +8,11 @@ use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::scenario::{Override, RunMode, Scenario};
+use lashloop_bench::scenario::{Override, RunMode, Scenario, ScenarioErrors};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
-use lashloop_plant::reference::Reference;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
 use lashloop_record::summary::Summary;
@@ -25,7 +23,7 @@ use super::commission_motor;
 use super::encoder_errors::EncoderErrors;
 use super::error::{CliError, system};
 use super::identify::{encoder_noise, write_estimates};
-use super::margins;
+use super::margins::first_reach;
 use super::options::{RigOption, plants};
 use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
 use super::supervision::start_supervisor;
@@ -138,7 +136,7 @@ impl Arguments {
         let confirmed_limits = limits;
         let scenario = |more: &[String]| {
             let of_rig = rig.as_ref().map(|taken| &taken.rig);
-            let mut scenario = self.scenario(of_rig, &confirmed_limits, more, bench)?;
+            let mut scenario = self.scenario(of_rig, &settings(&confirmed_limits), more, bench)?;
             for (name, value) in &*found.borrow() {
                 set_pin(&mut scenario, name, *value);
             }
@@ -175,7 +173,7 @@ impl Arguments {
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let mut source = RunSource::new(
             Path::new(&template.name),
-            &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
+            &self.overrides(rig.as_ref().map(|taken| &taken.rig), &settings(&limits), &[]),
             &plants(bench),
         );
         source.rig = place.rig_file();
@@ -239,11 +237,11 @@ impl Arguments {
         }
         if identified.is_followed() {
             let settings = reach::settings(&identified, of_drive, &limits, offers);
-            let mut reach = self.reach(rig.as_ref().map(|it| &it.rig), &settings, bench)?;
+            let mut reach = self.scenario(rig.as_ref().map(|it| &it.rig), &[], &settings, bench)?;
             for (name, value) in &*found.borrow() {
                 set_pin(&mut reach, name, *value);
             }
-            self.first_reach(&reach, bench)?;
+            first_reach(&reach, self.out.as_deref(), bench)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }
@@ -293,11 +291,10 @@ impl Arguments {
         })
     }
 
-    fn overrides(&self, limits: &Limits, rig: Option<&Rig>, more: &[String]) -> Vec<Override> {
+    fn overrides(&self, rig: Option<&Rig>, first: &[String], more: &[String]) -> Vec<Override> {
         let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
         let of_rig = rig.map(encoders_of).unwrap_or_default();
-        let settings =
-            self.set.iter().cloned().chain(of_rig).chain(settings(limits)).chain(more.iter().cloned());
+        let settings = self.set.iter().cloned().chain(of_rig).chain(first.iter().chain(more).cloned());
         mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect()
     }
 
@@ -328,48 +325,18 @@ impl Arguments {
         }
     }
 
-    /// The scenario of the first reach.
-    fn reach(&self, rig: Option<&Rig>, settings: &[String], bench: &Bench) -> Result<Scenario, CliError> {
-        let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
-        let of_rig = rig.map(encoders_of).unwrap_or_default();
-        let settings = self.set.iter().cloned().chain(of_rig).chain(settings.iter().cloned());
-        let overrides: Vec<_> =
-            mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect();
-        Ok(match &self.scenario {
-            Some(file) => Scenario::from_file_with(file, &overrides, &plants(bench))?,
-            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &overrides, &plants(bench))?,
-        })
-    }
-
-    /// Prints what the law makes of the estimates, and writes the reach that confirms it.
-    fn first_reach(&self, reach: &Scenario, bench: &Bench) -> Result<(), CliError> {
-        let found = margins::of(bench, reach)?;
-        let Reference::Constant { position_rad } = reach.reference else { return Ok(()) };
-        outln!("\nfirst reach          {position_rad} rad with {}, on the estimated plant", reach::LAW);
-        outln!("{}", margins::text(&found));
-        let (Some(folder), Some(settle_time_s)) = (&self.out, found.settle_time_s) else { return Ok(()) };
-        let text = reach.to_toml().map_err(system("write the scenario as TOML"))?;
-        let resolution_rad = TAU / f64::from(reach.encoders.load_counts_per_rev);
-        let expectations = Override::Set(reach::expectations(settle_time_s, resolution_rad));
-        let reach = Scenario::from_str_with(&reach.name, &text, &[expectations], &plants(bench))?;
-        let file = folder.join(reach::REACH_FILE);
-        write_file(&file, &reach.to_toml().map_err(system("write the scenario as TOML"))?)?;
-        outln!("{}", file.display());
-        Ok(())
-    }
-
-    /// The scenario of motions with these settings.
+    /// The scenario under what the command line and the rig have, and then these settings.
     fn scenario(
         &self,
         rig: Option<&Rig>,
-        limits: &Limits,
+        first: &[String],
         more: &[String],
         bench: &Bench,
-    ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
-        let settings = self.overrides(limits, rig, more);
+    ) -> Result<Scenario, ScenarioErrors> {
+        let overrides = self.overrides(rig, first, more);
         match &self.scenario {
-            Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
-            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
+            Some(file) => Scenario::from_file_with(file, &overrides, &plants(bench)),
+            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &overrides, &plants(bench)),
         }
     }
 }

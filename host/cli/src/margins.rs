@@ -1,5 +1,6 @@
 //! `lashloop margins`: how far the plant may differ from the one that the law is told of.
 
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,10 +8,12 @@ use lashloop::Bench;
 use lashloop::margins::{Margins, margins};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
+use lashloop_hardware::identify::reach;
+use lashloop_plant::reference::Reference;
 
 use super::error::{CliError, system};
 use super::options::plants;
-use super::output::outln;
+use super::output::{outln, write_file};
 
 /// Simulate a scenario with other plants, until the load no longer settles
 ///
@@ -53,4 +56,22 @@ pub(super) fn text(found: &Margins) -> String {
     );
     let margins = found.margins.iter().map(|it| format!("margin               {it}"));
     [settled].into_iter().chain(margins).collect::<Vec<_>>().join("\n")
+}
+
+/// Prints what the law makes of the estimates, and writes the reach that confirms it into the folder.
+pub(super) fn first_reach(scenario: &Scenario, folder: Option<&Path>, bench: &Bench) -> Result<(), CliError> {
+    let Reference::Constant { position_rad } = scenario.reference else { return Ok(()) };
+    let found = of(bench, scenario)?;
+    outln!("\nfirst reach          {position_rad} rad with {}, on the estimated plant", reach::LAW);
+    outln!("{}", text(&found));
+    let Some((folder, settle_time_s)) = folder.zip(found.settle_time_s) else { return Ok(()) };
+    let toml = |scenario: &Scenario| scenario.to_toml().map_err(system("write the scenario as TOML"));
+    let resolution_rad = TAU / f64::from(scenario.encoders.load_counts_per_rev);
+    let expectations = Override::Set(reach::expectations(settle_time_s, resolution_rad));
+    let scenario =
+        Scenario::from_str_with(&scenario.name, &toml(scenario)?, &[expectations], &plants(bench))?;
+    let file = folder.join(reach::REACH_FILE);
+    write_file(&file, &toml(&scenario)?)?;
+    outln!("{}", file.display());
+    Ok(())
 }

@@ -25,8 +25,9 @@ use nalgebra::{SMatrix, SVector};
 /// Pole of the observed torque, and torque from which the flanks touch.
 const CONTACT_POLE_RAD_S: f32 = 100.0;
 const CONTACT_NM: f32 = 0.25;
-/// Standard deviations at the start: positions (rad), velocities (rad/s), disturbing torque (N m), half gap (rad).
-const START: [f32; 6] = [1e-3, 1e-3, 1e-3, 1e-3, 3.0, 0.15];
+/// Standard deviations at the start: positions (rad), velocities (rad/s), disturbing torque (over the torque limit at the
+/// load), half gap (rad).
+const START: [f32; 6] = [1e-3, 1e-3, 1e-3, 1e-3, 0.05, 0.15];
 /// Standard deviation of the stiffness at the start, as a fraction.
 const STIFFNESS_DEVIATION: f32 = 0.3;
 /// Largest half gap (rad), and range of the stiffness as fractions of the nominal one.
@@ -100,6 +101,7 @@ impl TwoModeFilter {
         };
         let mut deviation = Vector::zeros();
         deviation.fixed_rows_mut::<6>(0).copy_from_slice(&START);
+        deviation[D] *= model.reduction_ratio * drive.torque_limit_nm;
         deviation[K] = STIFFNESS_DEVIATION * model.stiffness_nm_rad;
         let mut state = Vector::zeros();
         state[J] = model.dead_zone_rad;

@@ -4,10 +4,13 @@
 //! cost of a plant = settling time + penalties,   cost = mean over the plants + largest of the plants
 //! ```
 //!
+//! On the harder battery the settling time counts in shortest settling times of the plant, because those differ tenfold.
 //! The largest stands for the 95 % quantile of few plants. A penalty is a time for each unit beyond a limit; the limits are
 //! those that Lashloop's own laws have to meet.
 
 use std::vec::Vec;
+
+use battery::campaign::Battery;
 
 use super::case::{Figures, Plant};
 
@@ -17,6 +20,8 @@ pub const DURATION_S: f64 = 15.0;
 pub const SEED: u64 = 1;
 /// Random plants besides the nominal one.
 const RANDOM_PLANTS: u32 = 12;
+/// Random plants of parts of the harder battery, as many in all.
+const HARD_PLANTS: [(&str, u32); 2] = [("random-all", 9), ("random-hard", 4)];
 
 /// Overshoot without a penalty (rad), and its price (s/rad).
 const OVERSHOOT: [f64; 2] = [0.005, 40.0];
@@ -30,11 +35,20 @@ const BAND_RAD: f64 = 0.05;
 /// Largest cost of a plant.
 const WORST_S: f64 = 1000.0;
 
-/// The plants of the tuning.
+/// The plants of the tuning for a battery.
 #[must_use]
-pub fn plants() -> Vec<Plant> {
-    let random = (0..RANDOM_PLANTS).map(|index| Plant::Random { seed: SEED, index });
-    std::iter::once(Plant::Nominal).chain(random).collect()
+pub fn plants(battery: Battery) -> Vec<Plant> {
+    let seed = SEED;
+    match battery {
+        Battery::Standard => {
+            let random = (0..RANDOM_PLANTS).map(|index| Plant::Random { seed, index });
+            std::iter::once(Plant::Nominal).chain(random).collect()
+        }
+        Battery::Hard => {
+            let of = |(part, plants)| (0..plants).map(move |index| Plant::Hard { part, seed, index });
+            HARD_PLANTS.into_iter().flat_map(of).collect()
+        }
+    }
 }
 
 /// The cost of a point, plant by plant.
@@ -62,7 +76,7 @@ impl Cost {
 fn of_plant_s(figures: &Figures) -> f64 {
     let beyond = |value: f64, [free, price]: [f64; 2]| price * (value - free).max(0.0);
     let settled_s = if figures.settle_time_s.is_finite() {
-        figures.settle_time_s
+        figures.over_minimum.unwrap_or(figures.settle_time_s)
     } else {
         DURATION_S * (1.0 + figures.static_error_rad / BAND_RAD)
     };
@@ -87,6 +101,7 @@ mod tests {
         torque_variation_nm: 200.0,
         effort_nm2s: 200.0,
         dead_zone_error_rad: None,
+        over_minimum: None,
         count_rad: 0.0016,
     };
 

@@ -1,7 +1,8 @@
 //! The laws of the comparison: their scenarios, and what is tuned within which range.
 
-use std::string::String;
 use std::vec::Vec;
+
+use battery::campaign::Battery;
 
 /// A parameter that the search may change.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,8 @@ pub struct Law {
     pub scenario: &'static str,
     /// Parameters of the search; none if the constants are the paper's.
     pub tuned: &'static [Tuned],
+    /// Values of these parameters and of `lightest` for machines of the harder battery, found by `tune --hard`.
+    pub hard: &'static [f64],
     /// Whether the law is Lashloop's own.
     pub ours: bool,
 }
@@ -28,6 +31,8 @@ const fn tuned(name: &'static str, low: f64, high: f64) -> Tuned {
     Tuned { name, range: [low, high] }
 }
 
+/// Largest factor of the rates for a light load, tuned after the others for the harder battery.
+const LIGHTEST: Tuned = tuned("lightest", 1.0, 2.5);
 const BAND: Tuned = tuned("arrival_band_rad", 0.001, 0.02);
 const LOAD_FILTER: Tuned = tuned("load_filter_rad_s", 10.0, 300.0);
 const MOTOR_FILTER: Tuned = tuned("motor_filter_rad_s", 50.0, 1000.0);
@@ -46,12 +51,14 @@ pub const LAWS: [Law; 10] = [
         name: "pd",
         scenario: include_str!("../../../../scenarios/shaft-pd.toml"),
         tuned: &[],
+        hard: &[],
         ours: false,
     },
     Law {
         name: "merzouki",
         scenario: include_str!("../../../../scenarios/shaft-merzouki.toml"),
         tuned: &[],
+        hard: &[],
         ours: false,
     },
     Law {
@@ -67,6 +74,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[11.67, 10.0, 10.0, 0.1303, 0.8634, 0.01413, 117.5, 79.23, 1.205],
         ours: false,
     },
     Law {
@@ -84,6 +92,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[40.5, 1.587, 12.34, 1.455, 0.03279, 9.676, 0.01422, 0.004648, 13.98, 387.5, 2.432],
         ours: false,
     },
     Law {
@@ -102,6 +111,7 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[4.841, 3.758, 60.0, 0.8423, 60.54, 0.1, 0.01231, 0.01278, 0.02, 24.35, 570.6, 2.063],
         ours: false,
     },
     Law {
@@ -121,6 +131,9 @@ pub const LAWS: [Law; 10] = [
             LOAD_FILTER,
             MOTOR_FILTER,
         ],
+        hard: &[
+            2.751, 7.094, 27.76, 100.1, 6.821, 68.84, 0.4381, 0.04127, 0.5954, 0.001833, 25.85, 50.0, 1.037,
+        ],
         ours: false,
     },
     Law {
@@ -139,6 +152,7 @@ pub const LAWS: [Law; 10] = [
             BAND,
             MOTOR_FILTER,
         ],
+        hard: &[2.508, 2.495, 51.34, 1.685, 0.03911, 0.0003291, 0.1, 0.065, 0.07216, 0.004123, 103.5, 1.913],
         ours: false,
     },
     Law {
@@ -155,18 +169,21 @@ pub const LAWS: [Law; 10] = [
             BAND,
             MOTOR_FILTER,
         ],
+        hard: &[0.01787, 0.02569, 2.236e-6, 1.0, 0.005231, 0.02792, 0.01023, 0.001578, 60.1, 1.157],
         ours: false,
     },
     Law {
         name: "backlash-inverse",
         scenario: include_str!("../../../../scenarios/shaft-backlash-inverse.toml"),
         tuned: &[],
+        hard: &[],
         ours: true,
     },
     Law {
         name: "braking-curve",
         scenario: include_str!("../../../../scenarios/shaft-braking-curve.toml"),
         tuned: &[tuned("pace", 0.5, 1.6)],
+        hard: &[],
         ours: true,
     },
 ];
@@ -183,11 +200,10 @@ impl Law {
         })
     }
 
-    /// Values of the tuned parameters as settings of a scenario.
+    /// What is searched for a battery.
     #[must_use]
-    pub fn settings(&self, values: &[f64]) -> Vec<String> {
-        let setting =
-            |(tuned, value): (&Tuned, &f64)| std::format!("controller.parameters.{}={value:?}", tuned.name);
-        self.tuned.iter().zip(values).map(setting).collect()
+    pub fn searched(&self, battery: Battery) -> Vec<Tuned> {
+        let hard = battery == Battery::Hard && !self.ours && !self.tuned.is_empty();
+        self.tuned.iter().copied().chain(hard.then_some(LIGHTEST)).collect()
     }
 }

@@ -3,10 +3,10 @@
 //! Half of the evaluations are drawn uniformly from the ranges, in logarithms. The other half vary the best point so far,
 //! within a width that shrinks. The first point is the middle of the ranges.
 
-use std::string::String;
 use std::vec::Vec;
 
 use anyhow::Result;
+use battery::campaign::Battery;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -29,29 +29,29 @@ pub struct Point {
     pub cost_s: f64,
 }
 
-/// The best point; `report` receives each improvement with the number of its evaluation.
+/// The best point for a battery; `report` receives each improvement with the number of its evaluation.
 ///
 /// # Errors
 /// A run can't be carried out with the first point. Any later point that the law rejects isn't a candidate.
-pub fn best(law: &Law, report: impl FnMut(u32, &Point)) -> Result<Point> {
+pub fn best(law: &Law, battery: Battery, report: impl FnMut(u32, &Point)) -> Result<Point> {
+    let searched = law.searched(battery);
     let evaluate = |place: &[f64], bound_s: f64| {
         let values: Vec<_> =
-            law.tuned.iter().zip(place).map(|(tuned, &at)| value_at(tuned.range, at)).collect();
-        Ok(Point { cost_s: cost_s(law, law.settings(&values), bound_s)?, values })
+            searched.iter().zip(place).map(|(tuned, &at)| value_at(tuned.range, at)).collect();
+        Ok(Point { cost_s: cost_s(law, battery, Some(&values), bound_s)?, values })
     };
-    minimise(law.tuned.len(), evaluate, report)
+    minimise(searched.len(), evaluate, report)
 }
 
-/// The cost of a law with these settings. What already costs more than the bound after some plants needs no further plant.
+/// The cost of a law with these values. What already costs more than the bound after some plants needs no further plant.
 ///
 /// # Errors
 /// A run can't be carried out.
-pub fn cost_s(law: &Law, mut settings: Vec<String>, bound_s: f64) -> Result<f64> {
-    let plants = cost::plants();
-    settings.push(std::format!("run.duration_s={:?}", cost::DURATION_S));
+pub fn cost_s(law: &Law, battery: Battery, values: Option<&[f64]>, bound_s: f64) -> Result<f64> {
+    let plants = cost::plants(battery);
     let mut cost = Cost::default();
     for plant in &plants {
-        cost = cost.with(&case::figures(law, *plant, &settings)?);
+        cost = cost.with(&case::figures(law, *plant, values, cost::DURATION_S)?);
         if cost.of_s(plants.len()) >= bound_s {
             break;
         }

@@ -9,7 +9,8 @@ use super::case::Figures;
 use super::laws::Law;
 
 /// A figure of the table.
-struct Column {
+#[derive(Debug)]
+pub struct Column {
     name: &'static str,
     unit: &'static str,
     /// The unit per SI unit.
@@ -18,9 +19,31 @@ struct Column {
     of: fn(&Figures) -> Option<f64>,
 }
 
-const COLUMNS: [Column; 7] = [
-    Column { name: "settling time", unit: "s", per_si: 1.0, decimals: 2, of: |it| Some(it.settle_time_s) },
-    Column { name: "overshoot", unit: "mrad", per_si: 1e3, decimals: 1, of: |it| Some(it.overshoot_rad) },
+const SETTLING: Column =
+    Column { name: "settling time", unit: "s", per_si: 1.0, decimals: 2, of: |it| Some(it.settle_time_s) };
+const OVERSHOOT: Column =
+    Column { name: "overshoot", unit: "mrad", per_si: 1e3, decimals: 1, of: |it| Some(it.overshoot_rad) };
+const HUNTING: Column =
+    Column { name: "hunting", unit: "mrad", per_si: 1e3, decimals: 1, of: |it| Some(it.hunting_rad) };
+const VARIATION: Column = Column {
+    name: "variation",
+    unit: "N m",
+    per_si: 1.0,
+    decimals: 0,
+    of: |it| Some(it.torque_variation_nm),
+};
+const GAP: Column = Column {
+    name: "abs(j_hat - j0)",
+    unit: "mrad",
+    per_si: 1e3,
+    decimals: 0,
+    of: |it| it.dead_zone_error_rad,
+};
+
+/// The table of the nominal plant, and of those of the battery.
+pub const ORDINARY: &[Column] = &[
+    SETTLING,
+    OVERSHOOT,
     Column {
         name: "static error",
         unit: "mrad",
@@ -28,22 +51,20 @@ const COLUMNS: [Column; 7] = [
         decimals: 2,
         of: |it| Some(it.static_error_rad),
     },
-    Column { name: "hunting", unit: "mrad", per_si: 1e3, decimals: 1, of: |it| Some(it.hunting_rad) },
-    Column {
-        name: "variation",
-        unit: "N m",
-        per_si: 1.0,
-        decimals: 0,
-        of: |it| Some(it.torque_variation_nm),
-    },
+    HUNTING,
+    VARIATION,
     Column { name: "effort", unit: "N^2 m^2 s", per_si: 1.0, decimals: 0, of: |it| Some(it.effort_nm2s) },
-    Column {
-        name: "abs(j_hat - j0)",
-        unit: "mrad",
-        per_si: 1e3,
-        decimals: 0,
-        of: |it| it.dead_zone_error_rad,
-    },
+    GAP,
+];
+
+/// The table of the harder battery.
+pub const HARD: &[Column] = &[
+    SETTLING,
+    Column { name: "over the minimum", unit: "times", per_si: 1.0, decimals: 2, of: |it| it.over_minimum },
+    OVERSHOOT,
+    HUNTING,
+    VARIATION,
+    GAP,
 ];
 
 /// Figures of one law over the plants of the table.
@@ -57,16 +78,16 @@ pub struct Row {
 /// plants on which the load never settled or the run was cut short. A published law with a better figure than the best of
 /// Lashloop's own is marked by an asterisk; a tie is none.
 #[must_use]
-pub fn markdown(rows: &[Row]) -> String {
+pub fn markdown(columns: &[Column], rows: &[Row]) -> String {
     let mut text = String::from("| law |");
-    for Column { name, unit, .. } in &COLUMNS {
+    for Column { name, unit, .. } in columns {
         let _ = write!(text, " {name}, {unit} |");
     }
     text += " not settled |\n|---|";
-    text += &"---|".repeat(COLUMNS.len() + 1);
+    text += &"---|".repeat(columns.len() + 1);
     for row in rows {
         let _ = write!(text, "\n| `{}` |", row.law.name);
-        for column in &COLUMNS {
+        for column in columns {
             let cells: Vec<_> = quantiles(row, column)
                 .into_iter()
                 .enumerate()

@@ -26,7 +26,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("protocol", 2_000),
     ("studies/battery", 350),
     ("studies/merzouki-2005", 1_050),
-    ("studies/published-laws", 1_500),
+    ("studies/published-laws", 1_700),
     ("virtual-silicon", 2_600),
     ("xtask", 2_350),
 ];
