@@ -6,18 +6,24 @@
 use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};
 
-use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::run::End as RunEnd;
+use lashloop_bench::scenario::{RunMode, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_plant::PlantValue;
+use lashloop_plant::metrics::Metric;
 
-use crate::{Bench, Error, Outcome, run};
+use crate::{Bench, Error, Execution};
 
 /// Factor from one trial to the next, the number of trials, and the number of bisections after the first that fails.
 const STEP: f64 = 1.3;
 const TRIALS: u32 = 8;
 const BISECTIONS: usize = 3;
+/// Largest delay that a plant has.
+const LARGEST_DELAY_US: f64 = 1e6;
+/// Shortest run: hunting is that of the last 10 s.
+const LEAST_DURATION_S: f64 = 25.0;
 /// Hunting that counts as rest, in counts of the load encoder.
 const REST_COUNTS: f64 = 2.0;
-/// Metric that has a value once the load has settled.
-const SETTLED: &str = "settle_time_5pct_s";
 
 /// A quantity of the plant that a margin is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,89 +90,126 @@ impl Display for Margin {
 /// What a simulation of the loop shows.
 #[derive(Debug)]
 pub struct Margins {
-    /// The run with the plant as it is stated.
-    pub outcome: Outcome,
+    /// How the run with the plant as stated ended.
+    pub end: RunEnd,
     /// Time in s until the load stays within 5 % of its move; `None` if it doesn't, or hunts.
     pub settle_time_s: Option<f64>,
     /// A margin for each quantity; none if the stated plant doesn't settle.
     pub margins: Vec<Margin>,
 }
 
-/// Simulates the scenario in HIL mode with the laws of this program, as it is and with other plants. `name` is the file's name
-/// in errors, and relative paths start at its folder.
+/// Why a simulation shows nothing.
+enum Stop {
+    Interrupted,
+    Failed(Error),
+}
+
+impl<E: Into<Error>> From<E> for Stop {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// Simulates the scenario in HIL mode with the laws of this program, as it is and with other plants. Its expectations and
+/// faults have no effect. `None` if a signal of the user ends the search.
 ///
 /// # Errors
-/// The scenario is wrong, or a run failed.
-pub fn margins(bench: &Bench, name: &str, text: &str) -> Result<Margins, Error> {
-    let search = Search { bench, name, text };
-    let stated = search.scenario(&[])?;
-    let outcome = search.run(&stated)?;
-    let settle_time_s = settle_time_s(&stated, &outcome);
-    let margins = match settle_time_s {
-        Some(_) => Varied::ALL
-            .into_iter()
-            .filter_map(|of| search.margin(&stated, of).transpose())
-            .collect::<Result<_, _>>()?,
-        None => Vec::new(),
-    };
-    Ok(Margins { outcome, settle_time_s, margins })
+/// A run failed.
+pub fn margins(
+    bench: &Bench,
+    supervisor: &Supervisor,
+    scenario: &Scenario,
+) -> Result<Option<Margins>, Error> {
+    let mut stated = scenario.clone();
+    stated.run.mode = RunMode::Hil;
+    stated.run.duration_s = stated.run.duration_s.max(LEAST_DURATION_S);
+    stated.expectations.clear();
+    stated.faults.clear();
+    match (Search { bench, supervisor, stated }).margins() {
+        Ok(margins) => Ok(Some(margins)),
+        Err(Stop::Interrupted) => Ok(None),
+        Err(Stop::Failed(error)) => Err(error),
+    }
 }
 
 struct Search<'a> {
     bench: &'a Bench,
-    name: &'a str,
-    text: &'a str,
+    supervisor: &'a Supervisor,
+    stated: Scenario,
 }
 
 impl Search<'_> {
-    fn scenario(&self, settings: &[String]) -> Result<Scenario, Error> {
-        let fixed = ["expect=[]", r#"meant=["start", "mismatch", "large-angle"]"#].map(str::to_owned);
-        let settings = fixed.into_iter().chain(settings.iter().cloned()).map(Override::Set);
-        let overrides: Vec<_> = [Override::Mode("hil".to_owned())].into_iter().chain(settings).collect();
-        Ok(Scenario::from_str_with(self.name, self.text, &overrides, &self.bench.plants())?)
-    }
-
-    fn run(&self, scenario: &Scenario) -> Result<Outcome, Error> {
-        run(scenario, &self.bench.device("inproc")?)
+    fn margins(&self) -> Result<Margins, Stop> {
+        let Run { end, settle_time_s } = self.run(&self.stated)?;
+        let mut margins = Vec::new();
+        for of in Varied::ALL.into_iter().filter(|_| settle_time_s.is_some()) {
+            margins.extend(self.margin(of)?);
+        }
+        Ok(Margins { end, settle_time_s, margins })
     }
 
     /// `None` if the plant has no such number.
-    fn margin(&self, stated: &Scenario, of: Varied) -> Result<Option<Margin>, Error> {
-        let settles = |value: f64| self.settles(of, value);
+    fn margin(&self, of: Varied) -> Result<Option<Margin>, Stop> {
+        let Some(now) = self.stated.plant.number(of.key()) else { return Ok(None) };
+        let factor = |step: f64| STEP.powf(step);
         let margin = match of {
             Varied::TorqueDelay => {
-                let period_us = f64::from(stated.run.control_period_us);
-                let now_us = f64::from(stated.plant.torque_delay_us());
+                let period_us = f64::from(self.stated.run.control_period_us);
                 // Whole microseconds: 1, 3, 7, 15 periods and so on.
                 let added_us = |step: f64| (period_us * (step.exp2() - 1.0)).round();
-                let most = end(added_us, |added_us| settles(now_us + added_us))?;
-                Margin { of, least: None, most }
+                let possible = (1..=TRIALS).filter(|it| now + added_us(f64::from(*it)) <= LARGEST_DELAY_US);
+                let settles = |added_us: f64| self.settles(of, PlantValue::Integer((now + added_us) as i64));
+                Margin { of, least: None, most: end(possible.count() as u32, added_us, settles)? }
             }
             Varied::LoadInertia | Varied::Stiffness => {
-                let Some(now) = stated.plant.number(of.key()) else { return Ok(None) };
-                let factor = |step: f64| STEP.powf(step);
-                let least = end(|step| factor(-step), |factor| settles(now * factor))?;
-                let most = end(factor, |factor| settles(now * factor))?;
-                Margin { of, least: Some(least), most }
+                let settles = |factor: f64| self.settles(of, PlantValue::Number(now * factor));
+                let least = end(TRIALS, |step| factor(-step), settles)?;
+                Margin { of, least: Some(least), most: end(TRIALS, factor, settles)? }
             }
         };
         Ok(Some(margin))
     }
 
-    fn settles(&self, of: Varied, value: f64) -> Result<bool, Error> {
-        match self.scenario(&[format!("plant.{}={value}", of.key())]) {
-            Ok(scenario) => Ok(settle_time_s(&scenario, &self.run(&scenario)?).is_some()),
-            // A value that no plant has ends the range too.
-            Err(Error::Scenario(_)) => Ok(false),
-            Err(error) => Err(error),
+    fn settles(&self, of: Varied, value: PlantValue) -> Result<bool, Stop> {
+        let mut scenario = self.stated.clone();
+        scenario.plant.values.insert(of.key(), value);
+        Ok(self.run(&scenario)?.settle_time_s.is_some())
+    }
+
+    fn run(&self, scenario: &Scenario) -> Result<Run, Stop> {
+        let device = self.bench.device("inproc")?;
+        let outcome = Execution::new(scenario.clone(), (&device).into()).run(self.supervisor)?.outcome;
+        if outcome.end == RunEnd::Interrupted || self.supervisor.interrupted() {
+            return Err(Stop::Interrupted);
         }
+        let value = |metric: Metric| outcome.metrics.get(metric).value();
+        let rests = value(Metric::Hunting).is_some_and(|hunting_rad| hunting_rad <= rest_rad(scenario));
+        let settle_time_s = value(Metric::SettleTime5Pct).filter(|_| rests);
+        Ok(Run { end: outcome.end, settle_time_s })
     }
 }
 
+struct Run {
+    end: RunEnd,
+    settle_time_s: Option<f64>,
+}
+
+/// Hunting in rad up to which a load counts as at rest: its encoder shows two counts, and its noise on top.
+#[must_use]
+pub fn rest_rad(scenario: &Scenario) -> f64 {
+    let encoders = &scenario.encoders;
+    let noise_counts = encoders.load_noise_counts.unwrap_or(encoders.noise_counts);
+    (REST_COUNTS + 2.0 * noise_counts) * TAU / f64::from(encoders.load_counts_per_rev)
+}
+
 /// The last value of the steps from 1 on that settles; at step 0 it does.
-fn end(value: impl Fn(f64) -> f64, settles: impl Fn(f64) -> Result<bool, Error>) -> Result<End, Error> {
+fn end(
+    trials: u32,
+    value: impl Fn(f64) -> f64,
+    settles: impl Fn(f64) -> Result<bool, Stop>,
+) -> Result<End, Stop> {
     let (mut good, mut bad) = (0.0, None);
-    for trial in (1..=TRIALS).map(f64::from) {
+    for trial in (1..=trials).map(f64::from) {
         if !settles(value(trial))? {
             bad = Some(trial);
             break;
@@ -183,11 +226,4 @@ fn end(value: impl Fn(f64) -> f64, settles: impl Fn(f64) -> Result<bool, Error>)
         }
     }
     Ok(End::At(value(good)))
-}
-
-/// The settling time of a run that ended at rest.
-fn settle_time_s(scenario: &Scenario, outcome: &Outcome) -> Option<f64> {
-    let rest_rad = REST_COUNTS * TAU / f64::from(scenario.encoders.load_counts_per_rev);
-    let hunting_rad = outcome.metric("hunting_rad").ok()?;
-    (hunting_rad <= rest_rad).then(|| outcome.metric(SETTLED).ok()).flatten()
 }

@@ -22,9 +22,9 @@ use super::clock_options::ClockOptions;
 use super::commission_motor;
 use super::encoder_errors::EncoderErrors;
 use super::error::{CliError, system};
+use super::first_reach;
 use super::identify::{encoder_noise, write_estimates};
-use super::margins::first_reach;
-use super::options::{RigOption, plants};
+use super::options::{RigOption, plants, positive};
 use super::output::{error_line, outln, prepare_folder, write_csv, write_file};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
@@ -36,7 +36,7 @@ use lashloop_hardware::commission::{
 };
 use lashloop_hardware::identify::files::{DriveUse, INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
-use lashloop_hardware::identify::reach;
+use lashloop_hardware::identify::reach::{self, FirstReach};
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -45,7 +45,8 @@ const SCENARIO_NAME: &str = "scenarios/commission.toml";
 /// Move an unknown drive train within limits and estimate its parameters
 ///
 /// The motions are torques without a loop: a slow ramp each way until the load moves, a slow reversal, steps, and pulses. No
-/// motion begins before the limits are confirmed, and a limit that is exceeded switches the torque off.
+/// motion begins before the limits are confirmed, and a limit that is exceeded switches the torque off. At the end the law
+/// braking-curve makes a reach on the estimated plant, in a simulation.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Scenario whose mode, period, encoders and plant are taken [default: scenarios/commission.toml]
@@ -109,7 +110,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     clock: ClockOptions,
 
-    /// Folder for plant.toml, drive.toml, estimates.json and a record of each motion
+    /// Folder for plant.toml, drive.toml, estimates.json, reach.toml and a record of each motion
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -120,11 +121,6 @@ pub(crate) struct Arguments {
     /// Write each record as CSV too, see `lashloop run --help`
     #[arg(long, requires = "out")]
     csv: bool,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let value = text.parse().map_err(|_| format!("{text:?} isn't a number"))?;
-    if value > 0.0 && f64::is_finite(value) { Ok(value) } else { Err(format!("{value} is not above 0")) }
 }
 
 impl Arguments {
@@ -168,7 +164,7 @@ impl Arguments {
         }
         let known = self.instruments(&template, rig.as_ref());
         if let Some(folder) = &self.out {
-            prepare_folder(folder, &[])?;
+            prepare_folder(folder, &[reach::REACH_FILE])?;
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let mut source = RunSource::new(
@@ -235,15 +231,25 @@ impl Arguments {
         if let Some(folder) = &self.out {
             write_estimates(folder, &identified, of_drive, &motor_lines, offers)?;
         }
-        if identified.is_followed() {
-            let settings = reach::settings(&identified, of_drive, &limits, offers);
-            let mut reach = self.scenario(rig.as_ref().map(|it| &it.rig), &[], &settings, bench)?;
-            for (name, value) in &*found.borrow() {
-                set_pin(&mut reach, name, *value);
-            }
-            first_reach(&reach, self.out.as_deref(), bench)?;
+        if !identified.is_followed() {
+            return Ok(Exit::Invalid);
         }
-        Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
+        let device = drive_train.drive.device();
+        if !device.session.laws.iter().any(|it| it.name == reach::LAW) {
+            outln!("\nthe drive has no law {}: there is no first reach", reach::LAW);
+            return Ok(Exit::Pass);
+        }
+        let of_rig = rig.as_ref().map(|it| &it.rig);
+        let make = |settings: Vec<String>| -> Result<Scenario, CliError> {
+            let mut made = self.scenario(of_rig, &[], &settings, bench)?;
+            for (name, value) in &*found.borrow() {
+                set_pin(&mut made, name, *value);
+            }
+            Ok(made)
+        };
+        let reach = FirstReach { identified: &identified, of: of_drive, limits: &limits, offers: &offers };
+        let (simulated, of_drive) = (make(reach.simulated())?, make(reach.of_drive(&template))?);
+        first_reach::of(&reach, &simulated, &of_drive, self.out.as_deref(), &supervisor, bench)
     }
 
     /// The limits of the options; those of the rig where an option is absent.

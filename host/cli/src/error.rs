@@ -101,6 +101,8 @@ pub(crate) enum CliError {
     NoSteps { path: PathBuf },
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
+    #[error("{}: its reference isn't constant, so nothing settles; give a scenario with one move", path.display())]
+    NotConstant { path: PathBuf },
     #[error(transparent)]
     Live(#[from] LiveError),
     #[error(transparent)]
@@ -179,6 +181,7 @@ impl CliError {
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }
             | Self::Instruments { .. }
+            | Self::NotConstant { .. }
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
     }

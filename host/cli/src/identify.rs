@@ -98,8 +98,10 @@ impl Arguments {
             if of_record.is_hil() {
                 of_drive.mode = *of_record;
             }
-            let limit_nm =
-                parameters.iter().find(|it| it.name == TORQUE_LIMIT_NM).map(|it| f64::from(it.value));
+            let limit_nm = parameters
+                .iter()
+                .find(|it| it.name == TORQUE_LIMIT_NM)
+                .map(|it| it.value.to_string().parse().unwrap_or(f64::NAN));
             of_drive.torque_limit_nm = of_drive.torque_limit_nm.max(limit_nm.unwrap_or_default());
         }
         let start = match (&self.start, &of_record) {

@@ -32,6 +32,7 @@ mod doctor;
 mod encoder_errors;
 mod error;
 mod export;
+mod first_reach;
 mod flash;
 mod fmu;
 mod identify;

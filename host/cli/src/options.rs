@@ -122,3 +122,9 @@ impl RecordOptions {
         Ok(Some(folder))
     }
 }
+
+/// A number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let value = text.parse().map_err(|_| format!("{text:?} isn't a number"))?;
+    if value > 0.0 && f64::is_finite(value) { Ok(value) } else { Err(format!("{value} is not above 0")) }
+}

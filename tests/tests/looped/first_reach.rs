@@ -61,18 +61,17 @@ fn a_commissioned_machine_makes_the_reach_that_is_expected_of_it() {
     assert!(parameter("torque_offset_deviation") < 6e-5, "{parameters}");
     assert!(parameter("torque_ripple_deviation") < 1e-5, "{parameters}");
 
-    // The machine itself, to and fro, after the reach that confirms the estimates.
+    // The file has the machine itself. The reach confirms the estimates, and then the load moves to and fro.
     let reach = records.path("reach.toml");
     let reach = reach.to_str().expect("UTF-8");
-    let machine: Vec<_> = MACHINE.iter().flat_map(|setting| ["--set", setting]).collect();
-    let _ = program::run([&["run", reach, "--device", "inproc"], &machine[..]].concat()).with_code(0);
+    let _ = program::run(["run", reach, "--device", "inproc"]).with_code(0);
     let moves = tests::workspace().join("scenarios/alternating-moves.csv");
     let moves =
         format!("reference={{ profile = 'table', file = '{}', interpolation = 'hold' }}", moves.display());
     let to_and_fro = Records::new();
     let out = to_and_fro.out();
     let more = ["--set", &moves, "--set", "run.duration_s=30", "--set", "expect=[]", "--out", &out];
-    let _ = program::run([&["run", reach, "--device", "inproc"], &machine[..], &more].concat());
+    let _ = program::run([&["run", reach, "--device", "inproc"], &more[..]].concat());
     let summary = to_and_fro.summary();
     let metric = |name: &str| summary["metrics"][name].as_f64().unwrap_or(f64::NAN);
     let (error_rad, deviation_rad) = (metric("dead_zone_error_rad"), metric("dead_zone_deviation_rad"));
@@ -97,4 +96,22 @@ fn a_law_that_is_told_of_a_lag_tolerates_more_delay_and_a_load_that_never_rests_
     let ended = program::run(["margins", "scenarios/shaft-pd.toml"]).with_code(1);
     assert!(ended.stdout.contains("the load doesn't settle"), "{}", ended.stdout);
     assert!(!ended.stdout.contains("\nmargin"), "{}", ended.stdout);
+}
+
+#[test]
+fn margins_are_those_of_quantities_that_the_plant_has_and_of_one_move() {
+    let ended = program::run(["margins", "scenarios/friction-after.toml"]).with_code(0);
+    assert!(!ended.stdout.contains("torque_delay_us"), "{}", ended.stdout);
+    let of_rad = numbers(&margin(&ended.stdout, "load_inertia_kg_m2"));
+    assert!(of_rad[0] < 1.0 && of_rad[1] > 1.0, "{}", ended.stdout);
+    let ended = program::run(["margins", "scenarios/shaft-sine.toml"]).with_code(2);
+    assert!(ended.stderr.contains("its reference isn't constant"), "{}", ended.stderr);
+    let slow = [
+        "margins",
+        "scenarios/shaft-braking-curve.toml",
+        "--set",
+        "controller.parameters.load_speed_limit_rad_s=1",
+    ];
+    let ended = program::run(slow).with_code(1);
+    assert!(ended.stdout.contains("Overspeed") || ended.stdout.contains("latched"), "{}", ended.stdout);
 }

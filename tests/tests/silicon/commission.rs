@@ -62,6 +62,17 @@ pub(crate) fn hidden_plants() {
     assert!(coverage.fraction() >= 0.9, "{coverage}");
 }
 
+/// The first reach of the drive behind its pins meets what the simulation on the estimates expects of it.
+fn confirm(seed: u64, plant: &HiddenPlant, records: &Records) {
+    let reach = records.path("reach.toml");
+    let text = fs::read_to_string(&reach).unwrap_or_else(|error| panic!("plant {seed}: no reach: {error}"));
+    assert!(text.contains("load_direction = \"forward\""), "plant {seed}: {text}");
+    let settings = KEYS.map(|key| format!("plant.{key}={:?}", plant.truth(key)));
+    let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+    let fixed = ["run", reach.to_str().expect("UTF-8"), "--device", "silicon"];
+    let _ = program::run(fixed.into_iter().chain(settings)).with_code(0);
+}
+
 fn seeds() -> std::ops::Range<u64> {
     let Ok(text) = env::var(VARIABLE) else { return SEEDS };
     let range = text.split_once("..").and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?));
@@ -98,6 +109,9 @@ fn commission(seed: u64, coverage: &mut Coverage) {
         assert!(parameters.contains(&line), "plant {seed}: {parameters}");
     }
     coverage.plant(is_followed);
+    if is_followed {
+        confirm(seed, &plant, &records);
+    }
     for quantity in estimates["quantities"].as_array().expect("quantities") {
         let name = quantity["name"].as_str().expect("a name");
         if !plant.has_truth(name) {

@@ -181,9 +181,13 @@ pub struct DriveParameter {
     pub lasts: bool,
 }
 
-/// The parameters of a drive's laws that follow from the estimates.
+/// The parameters of a drive's laws that follow from the estimates. `offers` has the names of the drive's parameters.
 #[must_use]
-pub fn drive_parameters(identified: &Identified, of: DriveUse) -> Vec<DriveParameter> {
+pub fn drive_parameters(
+    identified: &Identified,
+    of: DriveUse,
+    offers: impl Fn(&str) -> bool,
+) -> Vec<DriveParameter> {
     // An encoder without an index is at its zero wherever the drive starts, and the cogging at another phase.
     let lasts = |name: &str| of.mode.is_hil() || !name.starts_with("cogging_");
     let mut all: Vec<_> = identified
@@ -197,7 +201,8 @@ pub fn drive_parameters(identified: &Identified, of: DriveUse) -> Vec<DriveParam
         })
         .collect();
     let doubt = identified.torque_doubt;
-    let ripple_nm = doubt.compensated_ripple_nm.filter(|_| lasts("cogging_nm")).or(doubt.ripple_nm);
+    let compensates = lasts("cogging_nm") && offers("cogging_nm");
+    let ripple_nm = doubt.compensated_ripple_nm.filter(|_| compensates).or(doubt.ripple_nm);
     let deviations = [("torque_offset_deviation", doubt.offset_nm), ("torque_ripple_deviation", ripple_nm)];
     let limit_nm = of.torque_limit_nm;
     all.extend(deviations.into_iter().filter_map(|(name, deviation_nm)| {
@@ -207,7 +212,7 @@ pub fn drive_parameters(identified: &Identified, of: DriveUse) -> Vec<DriveParam
         Some(DriveParameter { name, value, remark, lasts: true })
     }));
     let delay_s = f64::from(identified.instruments.torque_delay_us) / 1e6;
-    let lag_s = identified.quantity("current_lag_ms").and_then(|it| it.estimate).map(|it| it.value / 1e3);
+    let lag_s = identified.likely("current_lag_ms").map(|it| it / 1e3);
     all.extend(lag_s.map(|lag_s| DriveParameter {
         name: "torque_lag_s",
         value: format!("{:.6}", delay_s + lag_s),
@@ -226,7 +231,7 @@ pub fn drive_toml(identified: &Identified, of: DriveUse, offers: impl Fn(&str) -
         let prefix = if offers(name) { prefix } else { "# the drive lacks it: " };
         let _ = writeln!(text, "{prefix}{:<44} # {remark}", format!("{name} = {value}"));
     };
-    for DriveParameter { name, value, remark, lasts } in drive_parameters(identified, of) {
+    for DriveParameter { name, value, remark, lasts } in drive_parameters(identified, of, &offers) {
         line(if lasts { "" } else { "# until the drive is switched off: " }, name, &value, &remark);
     }
     let directions =

@@ -7,7 +7,7 @@ use lashloop::{Bench, Outcome, Scenario, run};
 use lashloop_bench::run::End;
 use lashloop_bench::scenario::{Override, RunMode};
 use lashloop_hardware::identify::files::DriveUse;
-use lashloop_hardware::identify::reach;
+use lashloop_hardware::identify::reach::FirstReach;
 use lashloop_identify::excitation::{Limits, commission};
 use lashloop_identify::{Identified, Start};
 use lashloop_plant::Mechanics;
@@ -18,7 +18,7 @@ use crate::hidden_plants::{Errors, HiddenPlant};
 
 const SCENARIO: &str = include_str!("../../../../scenarios/commission.toml");
 /// A machine takes 5 to 60 s of a core, so the whole test command has a few of them.
-const SEEDS: Range<u64> = 9004..9007;
+const SEEDS: Range<u64> = 9005..9007;
 /// Variable of the environment with other seeds, `FIRST..END`.
 const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
 const LIMITS: Limits =
@@ -105,10 +105,8 @@ fn truth(plant: &HiddenPlant) -> Vec<String> {
 /// The first reach of the machine itself.
 fn moved(plant: &HiddenPlant, identified: &Identified) -> Outcome {
     let of = DriveUse { mode: RunMode::Hil, torque_limit_nm: LIMITS.torque_nm };
-    let [motor, load] = plant.counts_per_rev;
-    let encoders = format!("encoders={{ motor_counts_per_rev = {motor}, load_counts_per_rev = {load} }}");
-    let settings = [encoders].into_iter().chain(reach::settings(identified, of, &LIMITS, |_| true));
-    let settings: Vec<_> = settings.chain(truth(plant)).map(Override::Set).collect();
+    let reach = FirstReach { identified, of, limits: &LIMITS, offers: &|_| true };
+    let settings: Vec<_> = reach.simulated().into_iter().chain(truth(plant)).map(Override::Set).collect();
     let scenario = Scenario::from_str("hidden.toml", SCENARIO, &settings).expect("a scenario");
     run(&scenario, &Bench::new().device("inproc").expect("a device")).expect("an outcome")
 }
@@ -154,5 +152,5 @@ fn hidden_machines_settle_with_the_gains_of_their_estimates() {
         text += &line(seed, &plant, &format!("{end}, {settled}, hunting {hunting_mrad:.1} mrad"));
     }
     print!("{text}");
-    assert!(failed == 0 && vouched > 0, "{failed} of {vouched} machines don't settle:\n{text}");
+    assert!(failed == 0 && vouched > 1, "{failed} of {vouched} machines don't settle:\n{text}");
 }
