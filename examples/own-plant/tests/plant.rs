@@ -104,5 +104,5 @@ fn its_keys_are_checked_like_those_of_any_plant() {
     let other = with("plant.dead_zone_rad=0.1");
     assert!(other.contains("this key belongs to model = \"smooth\""), "{other}");
     let unknown = with("plant.model=four-masses");
-    assert!(unknown.contains("\"process\" or \"three-masses\""), "{unknown}");
+    assert!(unknown.contains("\"fmu\" or \"three-masses\""), "{unknown}");
 }
