@@ -8,12 +8,15 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_hardware::identify::reach::{self, FirstReach};
+use toml_edit::DocumentMut;
 
 use super::error::{CliError, system};
 use super::margins;
 use super::options::plants;
 use super::output::{outln, write_file};
 
+/// Keys of a simulated plant.
+const SIMULATED: [&str; 3] = ["torque_delay_us", "load_torque", "wear"];
 /// Traps that a reach may have. A file must not name one that it doesn't have.
 const TRAPS: [&str; 3] = ["start", "mismatch", "large-angle"];
 
@@ -48,7 +51,15 @@ pub(super) fn of(
 
 /// The scenario with its expectations, as a file that is read without options.
 fn text(scenario: &Scenario, expectations: &str, bench: &Bench) -> Result<String, CliError> {
-    let toml = |scenario: &Scenario| scenario.to_toml().map_err(system("write the scenario as TOML"));
+    let toml = |scenario: &Scenario| {
+        let text = scenario.to_toml().map_err(system("write the scenario as TOML"))?;
+        let mut document: DocumentMut = text.parse().map_err(system("read the scenario as TOML"))?;
+        if let Some(plant) = document["plant"].as_table_mut().filter(|_| !scenario.run.mode.is_hil()) {
+            // What is at the pins has them, and a file of bench mode must not, not even at their defaults.
+            SIMULATED.iter().for_each(|key| drop(plant.remove(key)));
+        }
+        Ok::<_, CliError>(document.to_string())
+    };
     let read = |text: &str, settings: &[String]| {
         let settings: Vec<_> = settings.iter().cloned().map(Override::Set).collect();
         Scenario::from_str_with(&scenario.name, text, &settings, &plants(bench))

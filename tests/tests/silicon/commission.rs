@@ -69,7 +69,7 @@ fn confirm(seed: u64, plant: &HiddenPlant, records: &Records) {
     assert!(text.contains("load_direction = \"forward\""), "plant {seed}: {text}");
     let settings = KEYS.map(|key| format!("plant.{key}={:?}", plant.truth(key)));
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    let fixed = ["run", reach.to_str().expect("UTF-8"), "--device", "silicon"];
+    let fixed = ["run", reach.to_str().expect("UTF-8"), "--device", "silicon", "--set", "run.duration_s=15"];
     let _ = program::run(fixed.into_iter().chain(settings)).with_code(0);
 }
 
@@ -109,7 +109,8 @@ fn commission(seed: u64, coverage: &mut Coverage) {
         assert!(parameters.contains(&line), "plant {seed}: {parameters}");
     }
     coverage.plant(is_followed);
-    if is_followed {
+    // The reach takes as long as the motions, so one plant makes it.
+    if is_followed && seed == seeds().start {
         confirm(seed, &plant, &records);
     }
     for quantity in estimates["quantities"].as_array().expect("quantities") {
