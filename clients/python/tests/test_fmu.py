@@ -73,6 +73,8 @@ def test_what_is_missing_is_named(tmp_path: Path, library: Path) -> None:
         ({"load_output": "load.ph"}, "no variable 'load.ph', which plant.load_output names; it has load.phi"),
         ({"motor_output": "stiffness"}, "has the unit N.m/rad; plant.motor_output needs rad"),
         ({"torque_input": "motor_torque"}, "no variable 'motor_torque', which plant.torque_input names"),
+        ({"start": {"torque": 1.0}}, "plant.start.torque is the torque input, which the bench sets"),
+        ({"start": {"mode": 12, "stiffness": 2.0}}, "'stiffness' is nan after its start value of 2.0"),
         ({"start": {"mode": 9, "stiffness": 2.0}}, "'stiffness' is 1.0 after its start value of 2.0"),
     ]
     for change, want in changes:
@@ -80,6 +82,22 @@ def test_what_is_missing_is_named(tmp_path: Path, library: Path) -> None:
         assert want in answer["error"]
     (answer,) = serve(pack(tmp_path, library, "two", "ModelExchange"))
     assert answer["error"] == "the FMU is for co-simulation only: lashloop-fmu runs it, without plant.command"
+
+
+def test_a_model_may_end_the_simulation(tmp_path: Path, library: Path) -> None:
+    settings = pack(tmp_path, library, "two", "CoSimulation")
+    answers = serve(settings | {"start": SETTINGS["start"] | {"mode": 8}})
+    assert len(answers) == 4
+    assert re.match(r"the FMU ends the simulation at t = 0\.00[23]", answers[-1]["error"])
+
+
+def test_the_end_of_the_lines_ends_the_fmu(tmp_path: Path, library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fmi2 = pytest.importorskip("fmpy.fmi2")
+    calls: list[str] = []
+    for name in ("terminate", "freeInstance"):
+        monkeypatch.setattr(fmi2.FMU2Model, name, lambda _, name=name: calls.append(name))
+    serve(pack(tmp_path, library, "two", "CoSimulation"), steps=1)
+    assert calls == ["terminate", "freeInstance"]
 
 
 def test_what_the_fmu_prints_is_kept_out_of_the_protocol(tmp_path: Path, library: Path) -> None:

@@ -106,8 +106,13 @@ fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, FmuError> {
 }
 
 fn co_simulation(node: Node<'_, '_>) -> Result<CoSimulation, FmuError> {
+    let identifier = required(node, "modelIdentifier")?;
+    // It becomes part of a path.
+    if identifier.is_empty() || !identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Err(FmuError::Identifier(identifier.to_owned()));
+    }
     Ok(CoSimulation {
-        identifier: required(node, "modelIdentifier")?.to_owned(),
+        identifier: identifier.to_owned(),
         takes_any_step: is_true(node, "canHandleVariableCommunicationStepSize"),
         inner_step_s: number(node, "fixedInternalStepSize"),
         needs_tool: is_true(node, "needsExecutionTool"),
@@ -218,6 +223,13 @@ mod tests {
         assert!(
             error("valueReference=\"3\"", "valueReference=\"x\"").contains("a valueReference isn't a number")
         );
+        for identifier in ["", "../plant", "plant.so"] {
+            let have = error(
+                "modelIdentifier=\"plant\" canHandle",
+                &format!("modelIdentifier=\"{identifier}\" canHandle"),
+            );
+            assert!(have.starts_with(&format!("the FMU's modelIdentifier {identifier:?} isn't")), "{have}");
+        }
         assert!(error("</fmiModelDescription>", "").contains("modelDescription.xml can't be read"));
     }
 }

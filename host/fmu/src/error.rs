@@ -11,10 +11,25 @@ pub(crate) enum FmuError {
     Archive { file: String, reason: String },
     #[error("the FMU has an entry {entry:?} that leaves its folder; don't trust this file")]
     Escape { entry: String },
+    #[error("the FMU has a link {entry:?}, which lashloop-fmu doesn't unpack; pack the file itself")]
+    Link { entry: String },
+    #[error("the FMU has an entry {entry:?} in more than {limit} folders; pack it into fewer")]
+    TooDeep { entry: String, limit: usize },
+    #[error(
+        "the FMU has {count} entries, and lashloop-fmu takes {limit}; pack fewer files, or name them in plant.files"
+    )]
+    TooMany { count: usize, limit: usize },
+    #[error("the FMU's modelDescription.xml has more than {limit} MiB; export the FMU with fewer variables")]
+    LargeDescription { limit: u64 },
     #[error(
         "the FMU unpacks to more than {limit} MiB; leave out the documentation, or split its data into plant.files"
     )]
     TooLarge { limit: u64 },
+    #[error(
+        "the FMU's modelIdentifier {0:?} isn't made of letters, digits and \"_\", and its library has this name; export the \
+         FMU again"
+    )]
+    Identifier(String),
     #[error("modelDescription.xml can't be read: {0}; export the FMU again")]
     Xml(String),
     #[error(
@@ -35,6 +50,10 @@ pub(crate) enum FmuError {
     NoVariable { name: String, key: String, near: String },
     #[error("the FMU's variable {name:?} is {is}, and plant.{key} needs {needs}")]
     Unfit { name: String, key: String, is: String, needs: &'static str },
+    #[error(
+        "plant.start.{name} is the torque input, which the bench sets, to 0 at first; remove this start value"
+    )]
+    TorqueStart { name: String },
     #[error("plant.start.{name} is {value}, and the variable is of type {kind}; give a value of this type")]
     StartType { name: String, value: String, kind: String },
     #[error(
@@ -45,8 +64,22 @@ pub(crate) enum FmuError {
     Step { step_s: f64, held_s: f64, remedy: &'static str },
     #[error("the FMU refuses the start: {function} answers {status}{log}")]
     Call { function: String, status: &'static str, log: String },
+    #[error("the FMU can't {action} {name:?} at t = {time_s} s: {function} answers {status}{log}")]
+    Access {
+        action: &'static str,
+        name: String,
+        time_s: f64,
+        function: String,
+        status: &'static str,
+        log: String,
+    },
     #[error("the FMU refuses the step of {step_s} s at t = {time_s} s: {function} answers {status}{log}")]
     Refused { function: &'static str, status: &'static str, step_s: f64, time_s: f64, log: String },
+    #[error(
+        "the FMU returns early from the step of {step_s} s at t = {time_s} s, at {reached_s} s, which the loader doesn't \
+         allow; turn early return off where you export it"
+    )]
+    EarlyReturn { step_s: f64, time_s: f64, reached_s: f64 },
     #[error("the FMU ends the simulation at t = {time_s} s; its model does so")]
     Terminated { time_s: f64 },
     #[error(

@@ -6,8 +6,10 @@
 
 #![allow(unsafe_code)]
 
+mod callbacks;
+
 use std::error::Error;
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{c_char, c_int, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr;
@@ -17,29 +19,15 @@ use serde_json::Value;
 
 use crate::description::{Description, Version};
 use crate::error::FmuError;
-use crate::status::{log, logged, passed, status_name};
+use crate::status::{accessed, clear, logged, passed, status_name};
 use crate::steps::Step;
 use crate::variable::{Kind, Variable};
+use callbacks::{Callbacks, callbacks2, log3, text};
 
 type Pointer = *mut c_void;
 type Text = *const c_char;
 /// A function that takes the instance alone.
 type Plain = unsafe extern "C" fn(Pointer) -> c_int;
-
-/// `fmi2CallbackFunctions`.
-#[repr(C)]
-struct Callbacks {
-    logger: unsafe extern "C" fn(Pointer, Text, c_int, Text, Text, Text),
-    allocate: unsafe extern "C" fn(usize, usize) -> Pointer,
-    free: unsafe extern "C" fn(Pointer),
-    step_finished: Option<unsafe extern "C" fn(Pointer, c_int)>,
-    environment: Pointer,
-}
-
-unsafe extern "C" {
-    fn calloc(count: usize, size: usize) -> Pointer;
-    fn free(memory: Pointer);
-}
 
 /// An instantiated FMU.
 pub(crate) struct Instance {
@@ -107,18 +95,9 @@ impl Instance {
             const CO_SIMULATION: c_int = 1;
             let create: Instantiate = instance.function("fmi2Instantiate")?;
             let uri = text(&format!("file://{}", resources.replace('%', "%25").replace(' ', "%20")));
-            let callbacks = Callbacks {
-                logger: log2,
-                allocate: calloc,
-                free,
-                step_finished: None,
-                environment: ptr::null_mut(),
-            };
-            // The FMU keeps the pointer for as long as it lives.
-            let callbacks: &'static Callbacks = Box::leak(Box::new(callbacks));
             let (name, token, uri) = (name.as_ptr(), token.as_ptr(), uri.as_ptr());
             // SAFETY: as above.
-            instance.instance = unsafe { create(name, CO_SIMULATION, token, uri, callbacks, 0, 0) };
+            instance.instance = unsafe { create(name, CO_SIMULATION, token, uri, callbacks2(), 0, 0) };
         }
         if instance.instance.is_null() {
             return Err(FmuError::Call {
@@ -130,8 +109,8 @@ impl Instance {
         Ok(instance)
     }
 
-    /// Sets a variable.
-    pub(crate) fn set(&self, variable: &Variable, value: &Value) -> Result<(), FmuError> {
+    /// Sets a variable. The time is for errors.
+    pub(crate) fn set(&self, variable: &Variable, value: &Value, time_s: f64) -> Result<(), FmuError> {
         let wrong = || FmuError::StartType {
             name: variable.name.clone(),
             value: value.to_string(),
@@ -139,48 +118,48 @@ impl Instance {
         };
         let float = || value.as_f64().ok_or_else(wrong);
         match variable.kind {
-            Kind::Float64 => self.write(variable, float()?),
-            Kind::Float32 => self.write(variable, float()? as f32),
-            Kind::Int8 => self.write(variable, integer::<i8>(value).ok_or_else(wrong)?),
-            Kind::UInt8 => self.write(variable, integer::<u8>(value).ok_or_else(wrong)?),
-            Kind::Int16 => self.write(variable, integer::<i16>(value).ok_or_else(wrong)?),
-            Kind::UInt16 => self.write(variable, integer::<u16>(value).ok_or_else(wrong)?),
-            Kind::Int32 => self.write(variable, integer::<i32>(value).ok_or_else(wrong)?),
-            Kind::UInt32 => self.write(variable, integer::<u32>(value).ok_or_else(wrong)?),
-            Kind::Int64 => self.write(variable, integer::<i64>(value).ok_or_else(wrong)?),
-            Kind::UInt64 => self.write(variable, integer::<u64>(value).ok_or_else(wrong)?),
+            Kind::Float64 => self.write(variable, float()?, time_s),
+            Kind::Float32 => self.write(variable, float()? as f32, time_s),
+            Kind::Int8 => self.write(variable, integer::<i8>(value).ok_or_else(wrong)?, time_s),
+            Kind::UInt8 => self.write(variable, integer::<u8>(value).ok_or_else(wrong)?, time_s),
+            Kind::Int16 => self.write(variable, integer::<i16>(value).ok_or_else(wrong)?, time_s),
+            Kind::UInt16 => self.write(variable, integer::<u16>(value).ok_or_else(wrong)?, time_s),
+            Kind::Int32 => self.write(variable, integer::<i32>(value).ok_or_else(wrong)?, time_s),
+            Kind::UInt32 => self.write(variable, integer::<u32>(value).ok_or_else(wrong)?, time_s),
+            Kind::Int64 => self.write(variable, integer::<i64>(value).ok_or_else(wrong)?, time_s),
+            Kind::UInt64 => self.write(variable, integer::<u64>(value).ok_or_else(wrong)?, time_s),
             Kind::Boolean => {
                 let value = value.as_bool().ok_or_else(wrong)?;
                 // A C `bool` in FMI 3.0, an `int` in FMI 2.0.
                 if self.version == Version::Three {
-                    self.write(variable, u8::from(value))
+                    self.write(variable, u8::from(value), time_s)
                 } else {
-                    self.write(variable, c_int::from(value))
+                    self.write(variable, c_int::from(value), time_s)
                 }
             }
             Kind::Text => {
                 let value = text(value.as_str().ok_or_else(wrong)?);
-                self.write(variable, value.as_ptr())
+                self.write(variable, value.as_ptr(), time_s)
             }
             Kind::Other => Err(wrong()),
         }
     }
 
-    /// The number of a variable; NaN of one that isn't a number.
-    pub(crate) fn get(&self, variable: &Variable) -> Result<f64, FmuError> {
+    /// The number of a variable; NaN of one that isn't a number. The time is for errors.
+    pub(crate) fn get(&self, variable: &Variable, time_s: f64) -> Result<f64, FmuError> {
         Ok(match variable.kind {
-            Kind::Float64 => self.read::<f64>(variable)?,
-            Kind::Float32 => self.read::<f32>(variable)?.into(),
-            Kind::Int8 => self.read::<i8>(variable)?.into(),
-            Kind::UInt8 => self.read::<u8>(variable)?.into(),
-            Kind::Int16 => self.read::<i16>(variable)?.into(),
-            Kind::UInt16 => self.read::<u16>(variable)?.into(),
-            Kind::Int32 => self.read::<i32>(variable)?.into(),
-            Kind::UInt32 => self.read::<u32>(variable)?.into(),
-            Kind::Int64 => self.read::<i64>(variable)? as f64,
-            Kind::UInt64 => self.read::<u64>(variable)? as f64,
-            Kind::Boolean if self.version == Version::Three => self.read::<u8>(variable)?.into(),
-            Kind::Boolean => self.read::<c_int>(variable)?.into(),
+            Kind::Float64 => self.read::<f64>(variable, time_s)?,
+            Kind::Float32 => self.read::<f32>(variable, time_s)?.into(),
+            Kind::Int8 => self.read::<i8>(variable, time_s)?.into(),
+            Kind::UInt8 => self.read::<u8>(variable, time_s)?.into(),
+            Kind::Int16 => self.read::<i16>(variable, time_s)?.into(),
+            Kind::UInt16 => self.read::<u16>(variable, time_s)?.into(),
+            Kind::Int32 => self.read::<i32>(variable, time_s)?.into(),
+            Kind::UInt32 => self.read::<u32>(variable, time_s)?.into(),
+            Kind::Int64 => self.read::<i64>(variable, time_s)? as f64,
+            Kind::UInt64 => self.read::<u64>(variable, time_s)? as f64,
+            Kind::Boolean if self.version == Version::Three => self.read::<u8>(variable, time_s)?.into(),
+            Kind::Boolean => self.read::<c_int>(variable, time_s)?.into(),
             Kind::Text | Kind::Other => f64::NAN,
         })
     }
@@ -213,20 +192,13 @@ impl Instance {
     /// Makes a communication step.
     pub(crate) fn step(&self, Step { time_s, step_s }: Step) -> Result<(), FmuError> {
         let function = self.named("fmi2DoStep", "fmi3DoStep");
-        let mut terminates = false;
+        // A C `bool`. As bytes, because an FMU may leave anything in them, which a Rust `bool` doesn't allow.
+        let (mut has_event, mut terminates, mut is_early) = (0_u8, 0_u8, 0_u8);
+        let mut reached_s = time_s;
         let status = if self.version == Version::Three {
-            type DoStep = unsafe extern "C" fn(
-                Pointer,
-                f64,
-                f64,
-                bool,
-                *mut bool,
-                *mut bool,
-                *mut bool,
-                *mut f64,
-            ) -> c_int;
+            type DoStep =
+                unsafe extern "C" fn(Pointer, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
             let step: DoStep = self.function(function)?;
-            let (mut has_event, mut is_early, mut reached_s) = (false, false, 0.0);
             let (event, end, early) = (&raw mut has_event, &raw mut terminates, &raw mut is_early);
             // SAFETY: the signature is that of FMI, and the pointers are to variables of this function.
             unsafe { step(self.instance, time_s, step_s, true, event, end, early, &raw mut reached_s) }
@@ -236,7 +208,8 @@ impl Instance {
             unsafe { step(self.instance, time_s, step_s, 1) }
         };
         match status {
-            0 | 1 if terminates => Err(FmuError::Terminated { time_s }),
+            0 | 1 if terminates != 0 => Err(FmuError::Terminated { time_s }),
+            0 | 1 if is_early != 0 => Err(FmuError::EarlyReturn { step_s, time_s, reached_s }),
             0 | 1 => Ok(()),
             status => Err(FmuError::Refused {
                 function,
@@ -263,8 +236,9 @@ impl Instance {
         if self.version == Version::Three { three } else { two }
     }
 
-    /// The function of this name. `T` is its type in C.
+    /// The function of this name, for one call: messages of earlier calls are forgotten. `T` is its type in C.
     fn function<T: Copy>(&self, name: &str) -> Result<T, FmuError> {
+        clear();
         // SAFETY: nothing is called here; the callers give the type that FMI declares for the name.
         let symbol = unsafe { self.library.get::<T>(name) };
         symbol.map(|symbol| *symbol).map_err(|error| FmuError::Library { reason: reason(&error), remedy: "" })
@@ -292,7 +266,7 @@ impl Instance {
     }
 
     /// Reads a value. `T` is the type in C of the variable's kind.
-    fn read<T: Default>(&self, variable: &Variable) -> Result<T, FmuError> {
+    fn read<T: Default>(&self, variable: &Variable, time_s: f64) -> Result<T, FmuError> {
         let name = self.accessor("Get", variable.kind);
         let (reference, mut value) = (&raw const variable.reference, T::default());
         let status = if self.version == Version::Three {
@@ -306,11 +280,11 @@ impl Instance {
             // SAFETY: as above.
             unsafe { get(self.instance, reference, 1, &raw mut value) }
         };
-        passed(&name, status).map(|()| value)
+        accessed("read", variable, time_s, &name, status).map(|()| value)
     }
 
     /// Writes a value. `T` is the type in C of the variable's kind.
-    fn write<T>(&self, variable: &Variable, value: T) -> Result<(), FmuError> {
+    fn write<T>(&self, variable: &Variable, value: T, time_s: f64) -> Result<(), FmuError> {
         let name = self.accessor("Set", variable.kind);
         let (reference, value) = (&raw const variable.reference, &raw const value);
         let status = if self.version == Version::Three {
@@ -324,7 +298,7 @@ impl Instance {
             // SAFETY: as above.
             unsafe { set(self.instance, reference, 1, value) }
         };
-        passed(&name, status)
+        accessed("set", variable, time_s, &name, status)
     }
 }
 
@@ -349,39 +323,4 @@ fn reason(error: &libloading::Error) -> String {
 
 fn integer<T: TryFrom<i64>>(value: &Value) -> Option<T> {
     T::try_from(value.as_i64()?).ok()
-}
-
-/// A text for C, cut at a NUL.
-fn text(text: &str) -> CString {
-    CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
-}
-
-/// A text of the FMU; empty if it is NULL.
-///
-/// # Safety
-/// The pointer is NULL, or to a text that ends with a NUL.
-unsafe fn of_c(text: Text) -> String {
-    // SAFETY: as the caller promises.
-    if text.is_null() {
-        String::new()
-    } else {
-        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
-    }
-}
-
-/// The logger of FMI 2.0. In C it is variadic, which Rust can't define; on Linux the first arguments of a variadic function lie
-/// where those of another one do. We fill in the text of the usual format "%s" and print other formats as they are.
-unsafe extern "C" fn log2(_: Pointer, _: Text, _: c_int, _: Text, message: Text, argument: Text) {
-    // SAFETY: the message ends with a NUL, and to "%s" belongs a text.
-    let message = unsafe {
-        let format = of_c(message);
-        if format == "%s" { of_c(argument) } else { format }
-    };
-    log(&message);
-}
-
-/// The logger of FMI 3.0.
-unsafe extern "C" fn log3(_: Pointer, _: c_int, _: Text, message: Text) {
-    // SAFETY: the message ends with a NUL.
-    log(&unsafe { of_c(message) });
 }

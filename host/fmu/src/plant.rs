@@ -73,6 +73,11 @@ impl Plant {
             Ok((named(name, &format!("start.{name}"), Role::Start)?, value.clone()))
         };
         let start: Vec<_> = settings.start.iter().map(start).collect::<Result<_, FmuError>>()?;
+        // Another name of the same variable has its reference.
+        let is_torque = |it: &Variable| (it.reference, it.kind) == (torque.reference, torque.kind);
+        if let Some((variable, _)) = start.iter().find(|(variable, _)| is_torque(variable)) {
+            return Err(FmuError::TorqueStart { name: variable.name.clone() });
+        }
         let steps = Steps::new(fmu, description.preferred_step_s, settings.step_us, period_s)?;
         let own_folder = if settings.unpack_into.is_none() { Some(tempfile::tempdir()?) } else { None };
         let folder = settings.unpack_into.as_deref().or(own_folder.as_ref().map(TempDir::path));
@@ -80,10 +85,10 @@ impl Plant {
         archive.unpack(folder)?;
         let instance = Instance::load(folder, &binary, &description, &settings.preload)?;
         for (variable, value) in &start {
-            instance.set(variable, value)?;
+            instance.set(variable, value, 0.0)?;
         }
         instance.initialize((settings.tolerance > 0.0).then_some(settings.tolerance), |instance| {
-            instance.set(&torque, &Value::from(0.0))
+            instance.set(&torque, &Value::from(0.0), 0.0)
         })?;
         for (variable, value) in &start {
             check_start(&instance, variable, value)?;
@@ -99,10 +104,11 @@ impl Plant {
     /// Positions of motor and load in rad, and the values of the signals, in one list.
     pub(crate) fn outputs(&self, values: &mut Vec<f64>) -> Result<(), FmuError> {
         values.clear();
+        let time_s = self.steps.time_s();
         for variable in &self.outputs {
-            let value = self.instance.get(variable)?;
+            let value = self.instance.get(variable, time_s)?;
             if !value.is_finite() {
-                let (name, time_s) = (variable.name.clone(), self.steps.time_s());
+                let name = variable.name.clone();
                 return Err(FmuError::NotFinite { name, value, time_s });
             }
             values.push(value);
@@ -112,7 +118,7 @@ impl Plant {
 
     /// Holds a torque.
     pub(crate) fn step(&mut self, torque_nm: f64, held_s: f64) -> Result<(), FmuError> {
-        self.instance.set(&self.torque, &Value::from(torque_nm))?;
+        self.instance.set(&self.torque, &Value::from(torque_nm), self.steps.time_s())?;
         for step in self.steps.hold(held_s)? {
             self.instance.step(step)?;
         }
@@ -155,9 +161,10 @@ fn check_start(instance: &Instance, variable: &Variable, value: &Value) -> Resul
     let Some(want) = want.filter(|_| variable.kind.is_number() && !variable.is_approximate) else {
         return Ok(());
     };
-    let have = instance.get(variable)?;
-    // Single precision rounds.
-    if (have - want).abs() > 1e-6 * want.abs() {
+    let have = instance.get(variable, 0.0)?;
+    // Single precision rounds. NaN is no start value.
+    let is_same = (have - want).abs() <= 1e-6 * want.abs();
+    if !is_same {
         return Err(FmuError::StartIgnored { name: variable.name.clone(), have, want });
     }
     Ok(())

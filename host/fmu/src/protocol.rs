@@ -1,7 +1,7 @@
 //! The plant-process protocol: one line of JSON in, one out. `docs/extend/plant.md` has it.
 
-use std::fs::File;
-use std::io::{self, BufRead, Write};
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Write};
 
 use rustix::stdio;
 use serde::Deserialize;
@@ -27,8 +27,10 @@ struct Held {
 
 /// Serves one run, to the end of standard input. What the FMU does wrong goes to the bench, as the last line.
 pub(crate) fn serve() -> Result<(), FmuError> {
-    let mut output = own_output()?;
-    let served = answer(&mut io::stdin().lock(), &mut output);
+    // An FMU that leaks memory ends this process, not the bench. Without /proc it is the system's choice.
+    let _ = fs::write("/proc/self/oom_score_adj", "1000");
+    let (input, mut output) = own_ends()?;
+    let served = answer(&mut BufReader::new(input), &mut output);
     if let Err(error) = &served
         && !matches!(error, FmuError::Pipe(_))
     {
@@ -38,11 +40,15 @@ pub(crate) fn serve() -> Result<(), FmuError> {
     served
 }
 
-/// Standard output for the protocol alone: what the FMU prints goes to standard error.
-fn own_output() -> io::Result<File> {
-    let output = rustix::io::dup(stdio::stdout())?;
+/// Both ends for the protocol alone, closed in programs that the FMU starts. The FMU reads nothing from standard input, and what
+/// it prints goes to standard error.
+fn own_ends() -> io::Result<(File, File)> {
+    let first_free = stdio::raw_stderr() + 1;
+    let input = rustix::io::fcntl_dupfd_cloexec(stdio::stdin(), first_free)?;
+    let output = rustix::io::fcntl_dupfd_cloexec(stdio::stdout(), first_free)?;
+    stdio::dup2_stdin(File::open("/dev/null")?)?;
     stdio::dup2_stdout(stdio::stderr())?;
-    Ok(output.into())
+    Ok((input.into(), output.into()))
 }
 
 fn answer(input: &mut impl BufRead, output: &mut File) -> Result<(), FmuError> {

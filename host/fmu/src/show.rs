@@ -11,16 +11,16 @@ use crate::variable::{Kind, Variable};
 /// The text. Writing to a text can't fail, so its results are dropped.
 pub(crate) fn text(file: &Path, description: &Description, archive: &Archive) -> String {
     let mut text = String::new();
-    let tool = if description.tool.is_empty() { String::new() } else { format!(", by {}", description.tool) };
-    let _ =
-        writeln!(text, "{}: FMI {}, model {}{tool}", file.display(), description.version, description.model);
+    let (version, model, tool) = (description.version, plain(&description.model), plain(&description.tool));
+    let by = if tool.is_empty() { String::new() } else { format!(", by {tool}") };
+    let _ = writeln!(text, "{}: FMI {version}, model {model}{by}", plain(&file.display().to_string()));
     let mut kinds = Vec::new();
     kinds.extend(is_co_simulation(description).then_some("co-simulation"));
     kinds.extend(description.has_model_exchange.then_some("model exchange"));
     let mut platforms = archive.platforms();
     platforms.extend(archive.has_sources().then(|| "C sources".to_owned()));
     let _ = writeln!(text, "kinds       {}", kinds.join(", "));
-    let _ = writeln!(text, "platforms   {}", platforms.join(", "));
+    let _ = writeln!(text, "platforms   {}", plain(&platforms.join(", ")));
     let _ = writeln!(text, "step        {}", step(description));
     if description.co_simulation.as_ref().is_some_and(|it| it.needs_tool) {
         let _ = writeln!(text, "needs       the tool that made it, on this machine");
@@ -29,13 +29,13 @@ pub(crate) fn text(file: &Path, description: &Description, archive: &Archive) ->
         let of_kind: Vec<_> = description.variables.iter().filter(|it| it.causality == causality).collect();
         if !of_kind.is_empty() {
             let _ = writeln!(text, "\n{title}");
-            let width = of_kind.iter().map(|it| it.name.chars().count()).max().unwrap_or_default();
+            let width = of_kind.iter().map(|it| plain(&it.name).chars().count()).max().unwrap_or_default();
             for variable in of_kind {
                 let start = variable.start.as_deref().filter(|start| !start.is_empty());
                 let start = start.map(|start| format!("= {start}")).unwrap_or_default();
                 let facts = [&*variable.type_name, &*variable.unit, &*start];
                 let facts: Vec<_> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
-                let _ = writeln!(text, "  {:<width$}  {}", variable.name, facts.join(" "));
+                let _ = writeln!(text, "  {:<width$}  {}", plain(&variable.name), plain(&facts.join(" ")));
             }
         }
     }
@@ -70,28 +70,27 @@ fn section(file: &Path, description: &Description) -> String {
     let torque = pick(&torques, &["torque", "tau", "moment"]).or(torques.first().copied());
     let motor = pick(&positions, &["motor_position", "motor.phi", "motor", "theta_m", "theta_e"]);
     let load = pick(&positions, &["load_position", "load.phi", "load", "theta_l", "theta_s"]);
-    let mut text = format!("[plant]\nmodel = \"fmu\"\nfile = {name:?}\n");
+    let mut text = format!("[plant]\nmodel = \"fmu\"\nfile = {}\n", quoted(&name));
     for (key, chosen, needs) in [
         ("torque_input", torque, "the input with the torque at the motor, in N m"),
         ("motor_output", motor, "the output with the position of the motor, in rad"),
         ("load_output", load, "the output with the position of the load, in rad"),
     ] {
         let _ = match chosen {
-            Some(variable) => writeln!(text, "{key} = {:?}", variable.name),
+            Some(variable) => writeln!(text, "{key} = {}", quoted(&variable.name)),
             None => writeln!(text, "{key} = \"\"  # {needs}"),
         };
     }
     let is_position = |it: &&Variable| [motor, load].contains(&Some(*it));
     let signals = of_role(Role::Signal, "output").filter(|it| !is_position(it));
-    let names: Vec<_> = signals.map(|it| format!("{:?}", it.name)).collect();
+    let names: Vec<_> = signals.map(|it| quoted(&it.name)).collect();
     let _ = writeln!(text, "signals = [{}]", names.join(", "));
     if description.co_simulation.is_none() || description.version == Version::One {
         let _ = writeln!(text, "command = [\"python3\", \"-m\", \"lashloop.fmu\"]");
     }
     let _ = writeln!(text, "\n[plant.initial]");
     for (key, variable) in [("motor_position_rad", motor), ("load_position_rad", load)] {
-        let start = variable.and_then(|it| it.start.as_deref()).unwrap_or("0.0");
-        let _ = writeln!(text, "{key} = {start}");
+        let _ = writeln!(text, "{key} = {}", float(variable.and_then(|it| it.start.as_deref())));
     }
     let parameters: Vec<_> = of_role(Role::Start, "parameter").collect();
     if !parameters.is_empty() {
@@ -99,20 +98,72 @@ fn section(file: &Path, description: &Description) -> String {
         for parameter in parameters {
             let start = parameter.start.as_deref();
             let start = match parameter.kind {
-                Kind::Text => format!("{:?}", start.unwrap_or_default()),
-                Kind::Boolean => start.unwrap_or("false").to_owned(),
-                _ => start.unwrap_or("0").to_owned(),
+                Kind::Text => quoted(start.unwrap_or_default()),
+                Kind::Boolean => start.is_some_and(|it| matches!(it.trim(), "true" | "1")).to_string(),
+                kind if kind.is_float() => float(start),
+                _ => start.and_then(|it| it.trim().parse::<i64>().ok()).unwrap_or_default().to_string(),
             };
-            let unit =
-                if parameter.unit.is_empty() { String::new() } else { format!("  # {}", parameter.unit) };
-            let _ = writeln!(text, "# {:?} = {start}{unit}", parameter.name);
+            let unit = if parameter.unit.is_empty() {
+                String::new()
+            } else {
+                format!("  # {}", plain(&parameter.unit))
+            };
+            let _ = writeln!(text, "# {} = {start}{unit}", quoted(&parameter.name));
         }
     }
     text
+}
+
+/// A number as TOML has it; 0 for one that isn't finite, which no scenario may have.
+fn float(start: Option<&str>) -> String {
+    let number = start.and_then(|it| it.trim().parse::<f64>().ok()).filter(|it| it.is_finite());
+    format!("{:?}", number.unwrap_or_default())
+}
+
+/// A text of TOML, whose escapes are those of JSON and that of DEL.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
+}
+
+/// A text of the FMU on one line: it can't steer the terminal.
+fn plain(text: &str) -> String {
+    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect()
 }
 
 /// The first variable whose name has one of the words, the words in their order.
 fn pick<'a>(variables: &[&'a Variable], words: &[&str]) -> Option<&'a Variable> {
     let find = |word: &&str| variables.iter().find(|it| it.name.to_lowercase().contains(*word)).copied();
     words.iter().find_map(find)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_values_and_names_are_those_of_toml() {
+        let two = include_str!("../../../tests/data/fmu/two.xml")
+            .replace(
+                "<Real unit=\"rad\" start=\"0.16\"/>",
+                "<Real unit=\"rad&#10;x = 1\" start=\" 16E-2 \"/>",
+            )
+            .replace("<Real start=\"4\"/>", "<Real start=\"INF\"/>")
+            .replace("<Boolean start=\"false\"/>", "<Boolean start=\"1\"/>")
+            .replace("<String start=\"\"/>", "<String start=\"a&quot;&#9;\u{7f}\"/>")
+            .replace("name=\"twist\"", "name=\"tw&#10;ist&#x85;\"")
+            .replace("<Integer start=\"0\"/>", "<Integer start=\"+7\"/>");
+        let text = section(Path::new("a\"b.fmu"), &Description::parse(&two).expect("a description"));
+        for want in [
+            "file = \"a\\\"b.fmu\"",
+            "signals = [\"tw\\nist\u{85}\", \"steps\"]",
+            "# \"dead_zone\" = 0.16  # rad\\nx = 1",
+            "# \"substeps\" = 0.0",
+            "# \"is_wet\" = true",
+            "# \"note\" = \"a\\\"\\t\\u007f\"",
+            "# \"mode\" = 7",
+        ] {
+            assert!(text.lines().any(|line| line == want), "{want}\n{text}");
+        }
+    }
 }

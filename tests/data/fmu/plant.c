@@ -3,7 +3,8 @@
  *
  * `mode` is a start value that makes the FMU misbehave from its third step on:
  * 1 crashes, 2 hangs, 3 answers NaN, 4 discards the step, 5 fails with a message, 6 leaks, 7 prints to standard output,
- * 8 ends the simulation (FMI 3.0), 9 ignores `stiffness`.
+ * 8 ends the simulation (FMI 3.0, model exchange of 2.0), 9 ignores `stiffness`, 10 refuses the torque after a warning in the step before,
+ * 11 returns early (FMI 3.0), 12 has NaN as `stiffness`.
  * A step fails whose time isn't exactly that of the last one plus its step, or whose step isn't `only_step`, if that is set.
  */
 #include <math.h>
@@ -66,6 +67,7 @@ static int step(Plant *p, double time, double h) {
         say(p, 2, "this step isn't the one it takes");
         return 2;
     }
+    if (p->mode == 10) say(p, 1, "the belt is old");
     if (p->steps++ >= 2) {
         switch (p->mode) {
         case 1: *(volatile int *)8 = 1; break;
@@ -103,7 +105,7 @@ static void get(Plant *p, const unsigned *vr, size_t n, double *values) {
 static void set(Plant *p, const unsigned *vr, size_t n, const double *values) {
     for (size_t i = 0; i < n; i++) {
         if (p->mode == 9 && vr[i] == STIFFNESS) continue;
-        p->real[vr[i]] = values[i];
+        p->real[vr[i]] = p->mode == 12 && vr[i] == STIFFNESS ? NAN : values[i];
         if (vr[i] == MOTOR_START) p->x[2] = values[i];
         if (vr[i] == LOAD_START) p->x[0] = values[i];
     }
@@ -134,7 +136,11 @@ int fmi2ExitInitializationMode(Plant *p) { return 0; }
 int fmi2Terminate(Plant *p) { return 0; }
 int fmi2Reset(Plant *p) { return 3; }
 int fmi2GetReal(Plant *p, const unsigned *vr, size_t n, double *values) { get(p, vr, n, values); return 0; }
-int fmi2SetReal(Plant *p, const unsigned *vr, size_t n, const double *values) { set(p, vr, n, values); return 0; }
+int fmi2SetReal(Plant *p, const unsigned *vr, size_t n, const double *values) {
+    if (p->mode == 10 && p->steps >= 2) return 3;
+    set(p, vr, n, values);
+    return 0;
+}
 int fmi2GetInteger(Plant *p, const unsigned *vr, size_t n, int *values) { *values = vr[0] == MODE ? p->mode : p->steps; return 0; }
 int fmi2SetInteger(Plant *p, const unsigned *vr, size_t n, const int *values) { p->mode = *values; return 0; }
 int fmi2GetBoolean(Plant *p, const unsigned *vr, size_t n, int *values) { *values = p->wet; return 0; }
@@ -156,7 +162,7 @@ typedef struct { int more, terminate, nominals, values, has_next; double next; }
 int fmi2EnterEventMode(Plant *p) { return 0; }
 int fmi2NewDiscreteStates(Plant *p, Events *events) { memset(events, 0, sizeof *events); return 0; }
 int fmi2EnterContinuousTimeMode(Plant *p) { return 0; }
-int fmi2CompletedIntegratorStep(Plant *p, int no_set, int *event, int *terminate) { *event = *terminate = 0; return 0; }
+int fmi2CompletedIntegratorStep(Plant *p, int no_set, int *event, int *terminate) { *event = 0; *terminate = p->mode == 8 && p->time > 2e-3; return 0; }
 int fmi2SetTime(Plant *p, double time) { p->time = time; return 0; }
 int fmi2SetContinuousStates(Plant *p, const double *x, size_t n) { memcpy(p->x, x, n * sizeof *x); return 0; }
 int fmi2GetContinuousStates(Plant *p, double *x, size_t n) { memcpy(x, p->x, n * sizeof *x); return 0; }
@@ -187,9 +193,10 @@ int fmi3GetBoolean(Plant *p, const unsigned *vr, size_t n, bool *values, size_t 
 int fmi3SetBoolean(Plant *p, const unsigned *vr, size_t n, const bool *values, size_t m) { p->wet = *values; return 0; }
 int fmi3SetString(Plant *p, const unsigned *vr, size_t n, const char *const *values, size_t m) { snprintf(p->note, sizeof p->note, "%s", *values); return 0; }
 int fmi3DoStep(Plant *p, double time, double h, bool no_set, bool *event, bool *terminate, bool *early, double *reached) {
-    *event = *early = false;
+    *event = false;
+    *early = p->mode == 11 && p->steps >= 2;
     *terminate = p->mode == 8 && p->steps >= 2;
-    *reached = time + h;
+    *reached = *early ? time + h / 2 : time + h;
     return step(p, time, h);
 }
 

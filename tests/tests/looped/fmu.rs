@@ -7,7 +7,8 @@ use tests::fmu::{FmuFolder, LINUX, PLANT, START, difference_rad};
 use tests::program;
 use tests::records::Records;
 
-/// The error of a run with these lines in `[plant]` and after `[plant.start]`, which must come soon and leave a readable record.
+/// The error of a run with these lines in `[plant]` and after `[plant.start]`, which must come soon.
+/// An FMU that fails at its start leaves no record: there is none before the first step.
 fn error(fmu: &FmuFolder, plant: &str, start: &str) -> String {
     let records = Records::new();
     let began = Instant::now();
@@ -70,14 +71,20 @@ fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
             "the FMU refuses the step of 0.001 s at t = 0.002 s: fmi2DoStep answers \"discard\"",
         ),
         (PLANT, "mode = 5\n", "fmi2DoStep answers \"error\": the belt slips"),
+        (
+            PLANT,
+            "mode = 10\n",
+            "the FMU can't set \"torque\" at t = 0.002 s: fmi2SetReal answers \"error\"\n",
+        ),
         (PLANT, "only_step = 2e-3\n", "answers \"discard\": this step isn't the one it takes"),
     ] {
         let records = Records::new();
         let ended = fmu.run(&format!("{plant}{START}{start}"), 0.1, &records, &[]).with_code(2);
+        // With the end of the line, the FMU's earlier messages aren't part of the error.
         assert!(ended.stderr.contains(want) && ended.stderr.lines().count() == 1, "{want}: {}", ended.stderr);
         fmu.check_nothing_is_left();
         let failure = records.record().failure.expect("why there is no summary").error;
-        assert!(failure.contains(want), "{failure}");
+        assert!(failure.contains(want.trim_end()), "{failure}");
     }
     for harmless in ["mode = 6\n", "mode = 7\n"] {
         let _ = fmu.run(&format!("{PLANT}{START}{harmless}"), 0.1, &Records::new(), &[]).with_code(0);
@@ -86,6 +93,11 @@ fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
     let fmu = FmuFolder::new("three", &LINUX);
     let have = error(&fmu, PLANT, "mode = 8\n");
     assert!(have.contains("the FMU ends the simulation at t = 0.002 s"), "{have}");
+    let have = error(&fmu, PLANT, "mode = 11\n");
+    assert!(
+        have.contains("returns early from the step of 0.001 s at t = 0.002 s, at 0.0025 s, which"),
+        "{have}"
+    );
 }
 
 #[test]
@@ -114,6 +126,12 @@ fn what_does_not_fit_is_named_before_the_run() {
             "mode = 9\nstiffness = 2.0\n",
             "\"stiffness\" is 1 after its start value of 2; the FMU ignores plant.start.stiffness",
         ),
+        (
+            PLANT.to_owned(),
+            "mode = 12\nstiffness = 2.0\n",
+            "\"stiffness\" is NaN after its start value of 2; the FMU ignores plant.start.stiffness",
+        ),
+        (PLANT.to_owned(), "torque = 1.0\n", "plant.start.torque is the torque input, which the bench sets"),
         (
             format!("{PLANT}step_us = 300\n"),
             "",

@@ -97,7 +97,12 @@ class _ModelExchange:
             is_step_event = False
             if self.needs_completed_step:
                 completed = self.fmu.completedIntegratorStep()
-                is_step_event = bool(completed if self.version == "1" else completed[0])
+                if self.version == "1":
+                    is_step_event = bool(completed)
+                else:
+                    is_step_event, terminates = bool(completed[0]), bool(completed[1])
+                    if terminates:
+                        raise FmuError(f"the FMU ends the simulation at t = {time_s} s; its model does so")
             if is_state_event or is_step_event or (is_time_event and time_s >= goal_s):
                 self.event(time_s)
 
@@ -152,7 +157,12 @@ class _Plant:
         self.fmu = instantiate_fmu(folder, self.description, fmi_type=kind, require_functions=False)
         start: dict[str, Any] = settings.get("start", {})
         for name in start:
-            self.variable(f"start.{name}", name)
+            variable = self.variable(f"start.{name}", name)
+            # Another name of the same variable has its reference.
+            if (variable.valueReference, variable.type) == (self.torque.valueReference, self.torque.type):
+                raise FmuError(
+                    f"plant.start.{name} is the torque input, which the bench sets, to 0 at first; remove this start value"
+                )
         tolerance = settings.get("tolerance") or DEFAULT_TOLERANCE
         if self.version == "1":
             settable = None
@@ -169,7 +179,8 @@ class _Plant:
             if variable.type == "String" or variable.initial == "approx":
                 continue
             have = _get(self.fmu, self.version, variable)
-            if abs(have - want) > 1e-6 * abs(want):
+            # NaN is no start value.
+            if not abs(have - want) <= 1e-6 * abs(want):
                 raise FmuError(f"the FMU's variable {name!r} is {have} after its start value of {want}; it ignores it")
         self.elapsed_ns = 0
         self.stepper: _Stepper = (
@@ -230,6 +241,14 @@ class _Plant:
         self.stepper.hold(torque_nm, start_ns / SECOND_NS, self.elapsed_ns / SECOND_NS)
 
 
+    def end(self) -> None:
+        """Ends the FMU in the order that FMI demands. Its errors don't matter any more."""
+        with contextlib.suppress(Exception):
+            self.fmu.terminate()
+        with contextlib.suppress(Exception):
+            self.fmu.freeInstance()
+
+
 def serve(lines: IO[str], output: IO[str]) -> None:
     """Serves one run, to the end of its lines."""
 
@@ -254,6 +273,7 @@ def serve(lines: IO[str], output: IO[str]) -> None:
                 held = json.loads(line)
                 plant.step(held["torque_nm"], held["dt_s"])
                 send(plant.state())
+            plant.end()
     # What FMPy raises has many types; each of them ends the run with its text.
     except Exception as error:
         text = str(error) if isinstance(error, FmuError) else f"{type(error).__name__}: {error}"

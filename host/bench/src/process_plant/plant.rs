@@ -14,8 +14,9 @@ use super::messages::{Description, Hello, Report, State, Step, VERSION};
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 use lashloop_session::printable;
 
-/// Largest difference between a position of `[plant.initial]` and that of the process: single precision passes.
-const START_TOLERANCE_RAD: f64 = 1e-6;
+/// Largest difference between a position of `[plant.initial]` and that of the process, in rad, or relative to positions above
+/// 1 rad: single precision passes.
+const START_TOLERANCE: f64 = 1e-6;
 /// Time that an ended process may take to leave its exit status.
 const STATUS_LIMIT: Duration = Duration::from_millis(500);
 /// Characters of a malformed line that a message quotes.
@@ -86,7 +87,7 @@ impl ProcessPlant {
             ("motor_position_rad", motor_position_rad, start.motor_position_rad),
             ("load_position_rad", load_position_rad, start.load_position_rad),
         ] {
-            if (have - want).abs() > START_TOLERANCE_RAD {
+            if (have - want).abs() > START_TOLERANCE * want.abs().max(1.0) {
                 return Err(ProcessError::OtherStart { key, have, want });
             }
         }

@@ -114,6 +114,20 @@ fn truth_is_that_of_the_last_line() {
 }
 
 #[test]
+fn far_from_zero_a_start_in_single_precision_passes() {
+    let start_m_rad = 4000.123_456_789;
+    let start = |have: f64| {
+        let hello = HELLO.replace("0.5", &have.to_string());
+        let values = values(&["sh", "-c", &format!("read a; echo '{hello}'; read b")]);
+        let start = Start::at_rest(0.0, start_m_rad);
+        model(None).release(&Release { values: &values, start, period_s: 1e-3, folder: Path::new("") })
+    };
+    assert!(start(f64::from(start_m_rad as f32)).is_ok());
+    let error = start(start_m_rad + 0.01).err().expect("another start").to_string();
+    assert!(error.contains("and plant.initial.motor_position_rad is 4000.12"), "{error}");
+}
+
+#[test]
 fn errors_of_a_process_name_the_cause_and_the_remedy() {
     let start = |text: &str| script(text).err().expect(text).to_string();
     let two = STATE.replace("[1]", "[1, 2]");
