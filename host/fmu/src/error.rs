@@ -50,9 +50,7 @@ pub(crate) enum FmuError {
     NoVariable { name: String, key: String, near: String },
     #[error("the FMU's variable {name:?} is {is}, and plant.{key} needs {needs}")]
     Unfit { name: String, key: String, is: String, needs: &'static str },
-    #[error(
-        "plant.start.{name} is the torque input, which the bench sets, to 0 at first; remove this start value"
-    )]
+    #[error("plant.start.{name} is the torque input, which the bench sets; remove this start value")]
     TorqueStart { name: String },
     #[error("plant.start.{name} is {value}, and the variable is of type {kind}; give a value of this type")]
     StartType { name: String, value: String, kind: String },

@@ -160,9 +160,7 @@ class _Plant:
             variable = self.variable(f"start.{name}", name)
             # Another name of the same variable has its reference.
             if (variable.valueReference, variable.type) == (self.torque.valueReference, self.torque.type):
-                raise FmuError(
-                    f"plant.start.{name} is the torque input, which the bench sets, to 0 at first; remove this start value"
-                )
+                raise FmuError(f"plant.start.{name} is the torque input, which the bench sets; remove this start value")
         tolerance = settings.get("tolerance") or DEFAULT_TOLERANCE
         if self.version == "1":
             settable = None
@@ -239,7 +237,6 @@ class _Plant:
         start_ns = self.elapsed_ns
         self.elapsed_ns += round(held_s * SECOND_NS)
         self.stepper.hold(torque_nm, start_ns / SECOND_NS, self.elapsed_ns / SECOND_NS)
-
 
     def end(self) -> None:
         """Ends the FMU in the order that FMI demands. Its errors don't matter any more."""
