@@ -9,7 +9,7 @@
 mod callbacks;
 
 use std::error::Error;
-use std::ffi::{c_char, c_int, c_void};
+use std::ffi::c_int;
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr;
@@ -22,10 +22,8 @@ use crate::error::FmuError;
 use crate::status::{accessed, clear, logged, passed, status_name};
 use crate::steps::Step;
 use crate::variable::{Kind, Variable};
-use callbacks::{Callbacks, callbacks2, log3, text};
+use callbacks::{Callbacks, Pointer, Text, callbacks2, log3, text};
 
-type Pointer = *mut c_void;
-type Text = *const c_char;
 /// A function that takes the instance alone.
 type Plain = unsafe extern "C" fn(Pointer) -> c_int;
 

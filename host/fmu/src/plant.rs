@@ -162,7 +162,7 @@ fn check_start(instance: &Instance, variable: &Variable, value: &Value) -> Resul
         return Ok(());
     };
     let have = instance.get(variable, 0.0)?;
-    // Single precision rounds. NaN is no start value.
+    // Single precision rounds. NaN doesn't pass.
     let is_same = (have - want).abs() <= 1e-6 * want.abs();
     if !is_same {
         return Err(FmuError::StartIgnored { name: variable.name.clone(), have, want });

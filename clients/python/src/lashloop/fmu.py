@@ -177,7 +177,7 @@ class _Plant:
             if variable.type == "String" or variable.initial == "approx":
                 continue
             have = _get(self.fmu, self.version, variable)
-            # NaN is no start value.
+            # NaN doesn't pass.
             if not abs(have - want) <= 1e-6 * abs(want):
                 raise FmuError(f"the FMU's variable {name!r} is {have} after its start value of {want}; it ignores it")
         self.elapsed_ns = 0

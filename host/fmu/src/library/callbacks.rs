@@ -1,10 +1,12 @@
 //! What the FMU calls back, and texts on their way from and to C.
 
-use std::ffi::{CStr, CString, c_int};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr;
 
-use super::{Pointer, Text};
 use crate::status::log;
+
+pub(super) type Pointer = *mut c_void;
+pub(super) type Text = *const c_char;
 
 /// `fmi2CallbackFunctions`.
 #[repr(C)]
