@@ -115,7 +115,7 @@ fn truth_is_that_of_the_last_line() {
 
 #[test]
 fn far_from_zero_a_start_in_single_precision_passes() {
-    let start_m_rad = 4000.123_456_789;
+    let start_m_rad = 4_000.123_456_789;
     let start = |have: f64| {
         let hello = HELLO.replace("0.5", &have.to_string());
         let values = values(&["sh", "-c", &format!("read a; echo '{hello}'; read b")]);
