@@ -13,7 +13,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/cli", 5_900),
     ("host/conformance", 8_350),
     ("host/decode", 1_100),
-    ("host/fmu", 1_320),
+    ("host/fmu", 1_300),
     ("host/hardware", 2_550),
     ("host/identify", 3_100),
     ("host/link", 1_600),
