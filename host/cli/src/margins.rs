@@ -57,13 +57,13 @@ pub(super) fn of(
             match settle_time_s {
                 Some(it) => outln!("simulation           settles within 5 % after {it:.2} s"),
                 None if *end == End::Complete => {
-                    outln!("simulation           the load doesn't settle, or hunts: there are no margins");
+                    outln!("simulation           the load doesn't settle, or hunts, so it has no margins");
                 }
-                None => outln!("simulation           {end}: there are no margins"),
+                None => outln!("simulation           {end}, so the load has no margins"),
             }
             margins.iter().for_each(|it| outln!("margin               {it}"));
         }
-        None => error_line(format_args!("interrupted by the user: there are no margins")),
+        None => error_line(format_args!("interrupted by the user before all margins were found")),
     }
     Ok(found)
 }

@@ -8,7 +8,7 @@ use tests::program;
 use tests::records::Records;
 
 /// The error of a run with these lines in `[plant]` and after `[plant.start]`, which must come soon.
-/// An FMU that fails at its start leaves no record: there is none before the first step.
+/// An FMU that fails at its start leaves no record, which begins with the first step.
 fn error(fmu: &FmuFolder, plant: &str, start: &str) -> String {
     let records = Records::new();
     let began = Instant::now();

@@ -9,31 +9,13 @@ use serde_json::Value;
 use tests::program;
 use tests::records::Records;
 
+use crate::hidden_plant_keys::KEYS;
 use crate::hidden_plants::{Coverage, HiddenPlant, Shown};
 
 /// A plant takes some 10 s of a core, so the whole test command has a few of them.
 const SEEDS: std::ops::Range<u64> = 7000..7004;
 /// Variable of the environment with other seeds, `FIRST..END`.
 const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
-/// Keys of the plant, which are quantities of the estimates too.
-const KEYS: [&str; 16] = [
-    "motor_inertia_kg_m2",
-    "motor_friction_nm_s_rad",
-    "load_inertia_kg_m2",
-    "load_friction_nm_s_rad",
-    "stiffness_nm_rad",
-    "dead_zone_rad",
-    "reduction_ratio",
-    "shaft_damping_nm_s_rad",
-    "load_coulomb_nm",
-    "load_stiction_nm",
-    "load_stribeck_rad_s",
-    "load_friction_asymmetry",
-    "motor_coulomb_nm",
-    "motor_stiction_nm",
-    "motor_stribeck_rad_s",
-    "current_lag_ms",
-];
 const LIMITS: [&str; 8] = [
     "--torque-limit",
     "12",

@@ -3,6 +3,8 @@
 //! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
 //! doesn't. The models are made from the manual and aren't hardware.
 
+#[path = "../../../host/identify/tests/identify/hidden_plants/keys.rs"]
+mod hidden_plant_keys;
 #[allow(dead_code, reason = "the tests of the estimates use more of it")]
 #[path = "../../../host/identify/tests/identify/hidden_plants/mod.rs"]
 mod hidden_plants;

@@ -14,6 +14,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 
+use crate::hidden_plant_keys::KEYS;
 use crate::hidden_plants::{Errors, HiddenPlant};
 
 const SCENARIO: &str = include_str!("../../../../scenarios/commission.toml");
@@ -73,28 +74,9 @@ fn machine(seed: u64) -> (HiddenPlant, Start) {
 
 /// The machine as a scenario has it.
 fn truth(plant: &HiddenPlant) -> Vec<String> {
-    const KEYS: [&str; 19] = [
-        "motor_inertia_kg_m2",
-        "motor_friction_nm_s_rad",
-        "load_inertia_kg_m2",
-        "load_friction_nm_s_rad",
-        "stiffness_nm_rad",
-        "dead_zone_rad",
-        "reduction_ratio",
-        "shaft_damping_nm_s_rad",
-        "load_coulomb_nm",
-        "load_stiction_nm",
-        "load_stribeck_rad_s",
-        "load_friction_asymmetry",
-        "motor_coulomb_nm",
-        "motor_stiction_nm",
-        "motor_stribeck_rad_s",
-        "current_lag_ms",
-        "torque_offset_nm",
-        "cogging_nm",
-        "cogging_per_turn",
-    ];
-    let mut settings: Vec<_> = KEYS.map(|key| format!("plant.{key}={:?}", plant.truth(key))).into();
+    const ERRORS: [&str; 3] = ["torque_offset_nm", "cogging_nm", "cogging_per_turn"];
+    let keys = KEYS.into_iter().chain(ERRORS);
+    let mut settings: Vec<_> = keys.map(|key| format!("plant.{key}={:?}", plant.truth(key))).collect();
     let [motor, load] = plant.errors.eccentricity_rad;
     settings.push(format!("encoders.motor_eccentricity_rad={motor:?}"));
     settings.push(format!("encoders.load_eccentricity_rad={load:?}"));
