@@ -236,10 +236,7 @@ impl Arguments {
         }
         let device = drive_train.drive.device();
         if !device.session.laws.iter().any(|it| it.name == reach::LAW) {
-            outln!(
-                "\nthe drive lacks the law {}, so nothing is simulated and no reach.toml written",
-                reach::LAW
-            );
+            outln!("\nthe drive lacks the law {}: no first reach", reach::LAW);
             return Ok(Exit::Pass);
         }
         let of_rig = rig.as_ref().map(|it| &it.rig);
