@@ -1,9 +1,9 @@
 //! What a person sees of a run while it lasts: progress on the terminal, and the live page.
 
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{RunStart, Step, StepObserver};
+use lashloop_bench::run::{Event, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::expectation::Expectation;
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::timing::{ClockName, Timings};
@@ -86,7 +86,7 @@ impl Begun {
 impl StepObserver for Monitor<'_> {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         if let Some(live) = &mut self.live {
-            live.begin(start);
+            live.begin(start, SystemTime::now());
         }
         if self.live.is_some() || self.progress.is_some() {
             let mut measured = start.signals.clone();
@@ -121,6 +121,13 @@ impl StepObserver for Monitor<'_> {
         }
         if let Some(live) = &mut self.live {
             live.step(step, now);
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, step: u32, event: &Event) -> Result<(), WriteError> {
+        if let Some(live) = &mut self.live {
+            live.event(step, event);
         }
         Ok(())
     }

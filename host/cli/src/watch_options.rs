@@ -16,8 +16,8 @@ use lashloop_live::{Ending, Live, LiveError, Token, address};
 
 #[derive(Args, Default)]
 pub(super) struct WatchOptions {
-    /// Serve a page that shows the run while it lasts, and can stop it. ADDRESS is PORT, IP or IP:PORT
-    /// [default: a free port of 127.0.0.1]
+    /// Serve a page that shows the run while it lasts, and can stop it; Foxglove and its like watch at the same address.
+    /// ADDRESS is PORT, IP or IP:PORT [default: a free port of 127.0.0.1]
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, value_parser = address,
           default_missing_value = "127.0.0.1:0")]
     live: Option<SocketAddr>,

@@ -103,7 +103,9 @@ impl Denied {
     pub(super) fn reason(self) -> &'static str {
         match self {
             Self::Host => "this host name is not one of loopback; use the URL that the bench has printed",
-            Self::Origin => "a page of another origin can't read or stop a run",
+            Self::Origin => {
+                "a page of another origin can't read or stop a run; with --live-token it can read, as Foxglove does"
+            }
             Self::Token => "the token is missing or wrong; use the URL that the bench has printed",
         }
     }
@@ -121,17 +123,34 @@ impl Access {
 
     /// Checks where a request comes from.
     pub(super) fn check_source(&self, host: Option<&str>, origin: Option<&str>) -> Result<(), Denied> {
-        let host = host.ok_or(Denied::Host)?;
-        // A token of 128 bits is unknown to a foreign page under any name.
-        if self.token.is_none() && !is_loopback(host) {
-            return Err(Denied::Host);
-        }
+        let host = self.check_host(host)?;
         match origin {
             // A program that isn't a browser.
             None => Ok(()),
             Some(origin) if origin.strip_prefix("http://") == Some(host) => Ok(()),
             Some(_) => Err(Denied::Origin),
         }
+    }
+
+    /// Checks where a client that only watches comes from. With the token it may be a page of another origin, as Foxglove
+    /// and Lichtblick are.
+    pub(super) fn check_client(
+        &self,
+        host: Option<&str>,
+        origin: Option<&str>,
+        query: Option<&str>,
+    ) -> Result<(), Denied> {
+        if self.token.is_none() {
+            return self.check_source(host, origin);
+        }
+        self.check_host(host)?;
+        self.check_token(query)
+    }
+
+    fn check_host<'a>(&self, host: Option<&'a str>) -> Result<&'a str, Denied> {
+        let host = host.ok_or(Denied::Host)?;
+        // A token of 128 bits is unknown to a foreign page under any name.
+        if self.token.is_none() && !is_loopback(host) { Err(Denied::Host) } else { Ok(host) }
     }
 
     /// Checks the token in the query of a request.
@@ -218,6 +237,19 @@ mod tests {
         }
         assert_eq!(access.check_source(Some("bench-pc:80"), Some("http://bench-pc:80")), Ok(()));
         assert_eq!(access.check_source(Some("bench-pc:80"), Some("http://evil")), Err(Denied::Origin));
+    }
+
+    #[test]
+    fn a_page_of_another_origin_watches_with_the_token_only() {
+        let access = Access { token: Some(Token::new("0123456789abcdef").expect("a token")) };
+        let (host, origin) = (Some("bench-pc:80"), Some("https://app.foxglove.dev"));
+        assert_eq!(access.check_client(host, origin, Some("token=0123456789abcdef")), Ok(()));
+        assert_eq!(access.check_client(host, None, None), Err(Denied::Token));
+        assert_eq!(access.check_client(None, None, Some("token=0123456789abcdef")), Err(Denied::Host));
+        let open = Access { token: None };
+        assert_eq!(open.check_client(Some("localhost:80"), None, None), Ok(()));
+        assert_eq!(open.check_client(Some("localhost:80"), origin, None), Err(Denied::Origin));
+        assert_eq!(open.check_client(Some("evil.example:80"), None, None), Err(Denied::Host));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 
 use super::envelope::{Chunk, History};
+use super::messages::{Message, Messages};
 
 /// Buckets of one message.
 const CHUNK: usize = 256;
@@ -30,6 +31,9 @@ pub(super) struct State {
     /// What the run is; absent before its start.
     pub(super) description: Option<Arc<str>>,
     pub(super) histories: Vec<History>,
+    /// What the run is, as a client of Foxglove takes it; absent before its start.
+    pub(super) introduction: Option<Arc<[String; 2]>>,
+    pub(super) messages: Messages,
     status: Option<Arc<str>>,
     /// Number of the status.
     statuses: u64,
@@ -115,16 +119,31 @@ impl Feed {
         state.end.clone().map(Item::End)
     }
 
+    /// What the run is, as a client of Foxglove takes it; `None` before its start.
+    pub(super) fn introduction(&self) -> Option<Arc<[String; 2]>> {
+        self.lock().introduction.clone()
+    }
+
+    /// At most `limit` messages from `place` on, and the place behind them.
+    pub(super) fn messages(&self, place: u64, limit: usize) -> (Vec<Message>, u64) {
+        self.lock().messages.read(place, limit)
+    }
+
+    /// The last text, once the run has ended.
+    pub(super) fn ended(&self) -> Option<Arc<str>> {
+        self.lock().end.clone()
+    }
+
     /// Changes from now on.
     pub(super) fn changes(&self) -> watch::Receiver<()> {
         self.changed.subscribe()
     }
 
     /// Counts a reader until the value is dropped.
-    pub(super) fn enter(&self) -> Reader<'_> {
+    pub(super) fn enter(self: &Arc<Self>) -> Reader {
         self.readers.send_modify(|readers| *readers += 1);
         self.visited.store(true, Ordering::Relaxed);
-        Reader(self)
+        Reader(Arc::clone(self))
     }
 
     /// The number of connected readers.
@@ -151,9 +170,15 @@ impl Feed {
 }
 
 /// A connected reader.
-pub(super) struct Reader<'a>(&'a Feed);
+pub(super) struct Reader(Arc<Feed>);
 
-impl Drop for Reader<'_> {
+impl Reader {
+    pub(super) fn feed(&self) -> &Feed {
+        &self.0
+    }
+}
+
+impl Drop for Reader {
     fn drop(&mut self) {
         self.0.readers.send_modify(|readers| *readers -= 1);
     }

@@ -1,4 +1,4 @@
-//! A run in a browser while it lasts.
+//! A run in a browser, and in Foxglove, while it lasts.
 //!
 //! ```text
 //! run ─▶ Publisher ─▶ buckets ─▶ Feed: histories, status ─▶ readers, each with its place ─▶ websockets
@@ -14,6 +14,9 @@
 //! | `publisher` | the run's side of the feed |
 //! | `access` | addresses, tokens, hosts and origins |
 //! | `reader` | the feed as messages of a websocket |
+//! | `messages` | the latest steps and events one by one, as `run.mcap` has them; bounded |
+//! | `foxglove`, `client` | the protocol of Foxglove, Lichtblick and PlotJuggler; one client of it |
+//! | `connections` | a bounded number of them |
 //! | `server` | the server, on a thread of its own |
 //!
 //! The run's side never waits: it keeps its buckets while a reader copies, and a reader that is too slow skips.
@@ -21,8 +24,12 @@
 #![forbid(unsafe_code)]
 
 mod access;
+mod client;
+mod connections;
 mod envelope;
 mod feed;
+mod foxglove;
+mod messages;
 mod panels;
 mod publisher;
 mod reader;

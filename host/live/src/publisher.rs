@@ -1,15 +1,18 @@
 //! The run's side of the feed: collects buckets and publishes them at most thirty times a second.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use lashloop_bench::run::{RunStart, Step};
+use lashloop_bench::run::{Event, RunStart, Step};
 use lashloop_bench::timing::ClockName;
 use lashloop_plant::Signal;
+use lashloop_record::samples::{Encoder, Place, StepTimes};
 use serde::Serialize;
 
 use super::envelope::{Bucketing, History};
 use super::feed::Feed;
+use super::foxglove;
+use super::messages::Message;
 use super::panels::{Panel, columns, panels};
 use super::status::Status;
 
@@ -27,6 +30,10 @@ pub struct Publisher {
     tiers: Vec<Tier>,
     /// The values of a step, one per column.
     values: Vec<f32>,
+    /// From the start of the run on.
+    encoder: Option<Encoder>,
+    /// Encoded and not yet published.
+    messages: Vec<Message>,
     published: Option<Instant>,
     status: Option<Arc<str>>,
 }
@@ -56,11 +63,19 @@ struct Description<'a> {
 
 impl Publisher {
     pub(super) fn new(feed: Arc<Feed>) -> Self {
-        Self { feed, tiers: Vec::new(), values: Vec::new(), published: None, status: None }
+        Self {
+            feed,
+            tiers: Vec::new(),
+            values: Vec::new(),
+            encoder: None,
+            messages: Vec::new(),
+            published: None,
+            status: None,
+        }
     }
 
-    /// The run is about to start.
-    pub fn begin(&mut self, start: &RunStart<'_>) {
+    /// The run is about to start; `now` is wall-clock time.
+    pub fn begin(&mut self, start: &RunStart<'_>, now: SystemTime) {
         let RunStart { scenario, clock, device, signals } = *start;
         let columns = columns(signals);
         let widths = bucket_widths(scenario.run.steps(), scenario.run.control_period_s());
@@ -82,9 +97,23 @@ impl Publisher {
             columns: &columns,
             panels: panels(&columns),
         };
+        let start_ns = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+        let times = StepTimes { start_ns, period_us: scenario.run.control_period_us };
+        let encoder = Encoder::new(signals, times, 0);
+        let clock = clock.name().to_string();
+        let metadata = [
+            ("scenario", &*scenario.name),
+            ("device", description.device),
+            ("controller", &scenario.controller.name),
+            ("clock", &clock),
+        ];
+        let name = format!("lashloop: {}", scenario.name);
+        let introduction = foxglove::introduction(&name, &metadata, &start_ns.to_string(), &encoder.topics());
+        self.encoder = Some(encoder);
         let description = json(&description);
         self.feed.change(|state| {
             state.description = Some(description);
+            state.introduction = Some(Arc::new(introduction));
             state.histories =
                 widths.iter().map(|(_, kept)| History::new(columns.len(), *kept as usize)).collect();
         });
@@ -103,10 +132,15 @@ impl Publisher {
         for tier in &mut self.tiers {
             tier.bucketing.push(row.time_s, &self.values, &mut tier.completed);
         }
+        let Self { encoder, messages, .. } = self;
+        if let Some(encoder) = encoder {
+            encoder.step(step, |place, data| messages.push(message(place, data)));
+        }
         if self.published.is_none_or(|last| now.saturating_duration_since(last) >= FRAME) {
             // While a reader copies, the next step tries again.
-            let Self { feed, tiers, status, .. } = self;
+            let Self { feed, tiers, messages, status, .. } = self;
             let is_published = feed.try_change(|state| {
+                state.messages.append(messages);
                 for (history, tier) in state.histories.iter_mut().zip(tiers) {
                     history.append(&tier.completed);
                     tier.completed.clear();
@@ -121,6 +155,14 @@ impl Publisher {
         }
     }
 
+    /// Takes an event of a step; the next publication has it.
+    pub fn event(&mut self, step: u32, event: &Event) {
+        let Self { encoder, messages, .. } = self;
+        if let Some(encoder) = encoder {
+            encoder.event(step, event, |place, data| messages.push(message(place, data)));
+        }
+    }
+
     /// Shows a status with the next publication.
     pub fn show(&mut self, status: &Status) {
         self.status = Some(json(status));
@@ -128,8 +170,9 @@ impl Publisher {
 
     /// Publishes what is left.
     pub fn finish(&mut self) {
-        let Self { feed, tiers, status, .. } = self;
+        let Self { feed, tiers, messages, status, .. } = self;
         feed.change(|state| {
+            state.messages.append(messages);
             for (history, tier) in state.histories.iter_mut().zip(tiers) {
                 tier.bucketing.finish(&mut tier.completed);
                 history.append(&tier.completed);
@@ -145,6 +188,10 @@ impl Publisher {
     pub fn stop_asked(&self) -> bool {
         self.feed.stop_asked()
     }
+}
+
+fn message(Place { topic, log_time_ns, .. }: Place, data: &[u8]) -> Message {
+    Message { topic, log_time_ns, data: data.into() }
 }
 
 /// Steps per bucket and number of buckets: those of the whole run, and finer ones of its latest part if they are finer.

@@ -12,24 +12,28 @@ use axum::extract::ws::{Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use futures_util::{SinkExt, StreamExt};
 
 use super::envelope::Chunk;
-use super::feed::{Cursor, Feed, Item};
+use super::feed::{Cursor, Item, Reader};
 
 /// Time for a reader to take one message. A longer one is dead.
-const SEND_LIMIT: Duration = Duration::from_secs(10);
+pub(super) const SEND_LIMIT: Duration = Duration::from_secs(10);
 /// Time for a reader to confirm the end of the connection.
-const CLOSE_LIMIT: Duration = Duration::from_millis(500);
+pub(super) const CLOSE_LIMIT: Duration = Duration::from_millis(500);
+/// Most bytes that wait for a reader, besides those in the system's buffer. A reader that pings and takes no answer is
+/// dropped there. The longest message, a chunk of 256 buckets, has 500 kB with 250 columns.
+pub(super) const WAITING_BYTES: usize = 2 << 20;
 /// Longest message of a reader, in bytes.
 const LONGEST: usize = 125;
 const STOP: &str = "stop";
 
 /// Limits what a reader may send, and how much waits for it.
 pub(super) fn limited(upgrade: WebSocketUpgrade) -> WebSocketUpgrade {
-    upgrade.max_message_size(LONGEST).max_frame_size(LONGEST).write_buffer_size(0)
+    let upgrade = upgrade.max_message_size(LONGEST).max_frame_size(LONGEST);
+    upgrade.write_buffer_size(0).max_write_buffer_size(WAITING_BYTES)
 }
 
 /// Serves a reader until it leaves or the run ends.
-pub(super) async fn serve(socket: WebSocket, feed: &Feed) {
-    let _reader = feed.enter();
+pub(super) async fn serve(socket: WebSocket, reader: Reader) {
+    let feed = reader.feed();
     let (mut sink, mut source) = socket.split();
     let requests = async {
         while let Some(Ok(message)) = source.next().await {

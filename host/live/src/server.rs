@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{FromRequestParts, State};
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, REFERRER_POLICY,
@@ -21,7 +22,10 @@ use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::oneshot;
 
 use super::access::{Access, AccessError, Denied, Token};
+use super::client;
+use super::connections::Connections;
 use super::feed::Feed;
+use super::foxglove::SUBPROTOCOLS;
 use super::publisher::{Publisher, json};
 use super::reader;
 use super::status::Ending;
@@ -181,26 +185,44 @@ struct Site {
 async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receiver<()>) {
     let mut readers = site.feed.readers();
     let router = Router::new()
-        .route("/", get(page))
+        .route("/", get(root))
         .route("/live.js", get(async |_: Permitted| asset("text/javascript; charset=utf-8", SCRIPT)))
         .route("/live.css", get(async |_: Permitted| asset("text/css; charset=utf-8", STYLE)))
         .route("/feed", get(watch))
         .with_state(site);
     tokio::select! {
-        _ = axum::serve(listener, router).into_future() => {}
+        _ = axum::serve(Connections::new(listener), router).into_future() => {}
         _ = stopped => {
             let _ = tokio::time::timeout(FAREWELL, readers.wait_for(|readers| *readers == 0)).await;
         }
     }
 }
 
-async fn page(_: Authorised) -> Response {
-    asset("text/html; charset=utf-8", &[include_str!("page/live.html")])
+/// The page, or a client of Foxglove: its users type an address without a path.
+async fn root(
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    browser: Result<Authorised, Denied>,
+    client: Result<Watching, Denied>,
+    State(site): State<Arc<Site>>,
+) -> Result<Response, Denied> {
+    let Ok(upgrade) = upgrade else {
+        browser?;
+        return Ok(asset("text/html; charset=utf-8", &[include_str!("page/live.html")]));
+    };
+    client?;
+    let upgrade = client::limited(upgrade).protocols(SUBPROTOCOLS);
+    if upgrade.selected_protocol().is_none() {
+        let [preferred, other] = SUBPROTOCOLS;
+        let text = format!("this websocket speaks {preferred} and {other}; the page's own feed is /feed\n");
+        return Ok((StatusCode::BAD_REQUEST, HEADERS, text).into_response());
+    }
+    let reader = site.feed.enter();
+    Ok(upgrade.on_upgrade(async move |socket| client::serve(socket, reader).await))
 }
 
 async fn watch(_: Authorised, State(site): State<Arc<Site>>, upgrade: WebSocketUpgrade) -> Response {
-    let feed = Arc::clone(&site.feed);
-    reader::limited(upgrade).on_upgrade(async move |socket| reader::serve(socket, &feed).await)
+    let reader = site.feed.enter();
+    reader::limited(upgrade).on_upgrade(async move |socket| reader::serve(socket, reader).await)
 }
 
 /// The page loads nothing from elsewhere, and its URL, which may have a token, goes nowhere.
@@ -235,9 +257,26 @@ impl FromRequestParts<Arc<Site>> for Permitted {
     type Rejection = Denied;
 
     async fn from_request_parts(parts: &mut Parts, site: &Arc<Site>) -> Result<Self, Denied> {
-        // Browsers send text headers only.
-        let header = |name| parts.headers.get(name).map(|value| value.to_str().unwrap_or("\u{0}"));
-        site.access.check_source(header(HOST), header(ORIGIN)).map(|()| Self)
+        let [host, origin] = source(parts);
+        site.access.check_source(host, origin).map(|()| Self)
+    }
+}
+
+/// Host and origin of a request.
+fn source(parts: &Parts) -> [Option<&str>; 2] {
+    // Browsers send text headers only.
+    [HOST, ORIGIN].map(|name| parts.headers.get(name).map(|value| value.to_str().unwrap_or("\u{0}")))
+}
+
+/// A request to watch and no more.
+struct Watching;
+
+impl FromRequestParts<Arc<Site>> for Watching {
+    type Rejection = Denied;
+
+    async fn from_request_parts(parts: &mut Parts, site: &Arc<Site>) -> Result<Self, Denied> {
+        let [host, origin] = source(parts);
+        site.access.check_client(host, origin, parts.uri.query()).map(|()| Self)
     }
 }
 

@@ -10,6 +10,7 @@ use std::time::Duration;
 use lashloop_record::reader::Record;
 use serde_json::Value;
 use tempfile::TempDir;
+use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
@@ -43,6 +44,22 @@ impl Run {
     fn connect(&self) -> Client {
         let (authority, query) = self.url.split_once('/').unwrap();
         tungstenite::connect(format!("ws://{authority}/feed{query}")).unwrap().0
+    }
+
+    /// Connects as Foxglove does, with these headers.
+    fn connect_client(&self, headers: &[(&'static str, &str)]) -> Result<Client, tungstenite::Error> {
+        let mut request = format!("ws://{}", self.url).into_client_request().unwrap();
+        for (name, value) in headers {
+            request.headers_mut().insert(*name, value.parse().unwrap());
+        }
+        tungstenite::connect(request).map(|(client, _)| client)
+    }
+
+    /// Memory that the bench holds, in bytes.
+    fn resident_bytes(&self) -> u64 {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
+        1024 * line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap()
     }
 
     /// The status line of the answer to `GET path` with these headers.
@@ -240,4 +257,65 @@ fn other_machines_need_the_token() {
     let manifest = fs::read_to_string(run.folder.path().join("record.json")).unwrap();
     assert!(manifest.contains("--live-token=***") && !manifest.contains("0123456789abcdef"), "{manifest}");
     assert_eq!(run.end().0, Some(0));
+}
+
+const SUBPROTOCOL: &str = "sec-websocket-protocol";
+
+/// The status of the answer to a handshake that is refused.
+fn refusal(answer: Result<Client, tungstenite::Error>) -> u16 {
+    match answer {
+        Err(tungstenite::Error::Http(answer)) => answer.status().as_u16(),
+        other => panic!("{:?}", other.map(|_| "accepted")),
+    }
+}
+
+#[test]
+fn a_client_of_foxglove_is_asked_for_its_protocol_and_its_token() {
+    let run = Run::start(0.1, &["--live-token=0123456789abcdef"]);
+    let origin = ("origin", "https://app.foxglove.dev");
+    assert_eq!(refusal(run.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v9")])), 400);
+    assert_eq!(refusal(run.connect_client(&[])), 400);
+    let mut client =
+        run.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1.1, foxglove.sdk.v1"), origin]).unwrap();
+    let info: Value = serde_json::from_str(client.read().unwrap().to_text().unwrap()).unwrap();
+    assert_eq!(info["op"], "serverInfo");
+    drop(client);
+    assert_eq!(run.end().0, Some(0));
+    let open = Run::start(0.1, &[]);
+    assert_eq!(refusal(open.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1"), origin])), 403);
+    drop(open.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1")]).unwrap());
+    assert_eq!(open.end().0, Some(0));
+}
+
+#[test]
+fn clients_that_ask_and_ping_and_never_read_take_their_bound_and_no_more() {
+    const FRAMES: usize = 400_000;
+    let run = Run::start(600.0, &["--clock", "real-time"]);
+    let mut page = run.connect();
+    Received::read(&mut page, |received| !received.samples.is_empty());
+    let foxglove = || run.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1")]).unwrap();
+    let mut hostile = [run.connect(), foxglove(), foxglove()];
+    let subscribe = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]}"#;
+    hostile[2].send(Message::text(subscribe)).unwrap();
+    let before = run.resident_bytes();
+    for client in &mut hostile {
+        let MaybeTlsStream::Plain(stream) = client.get_ref() else { panic!("no TLS here") };
+        stream.set_write_timeout(Some(Duration::from_millis(500))).unwrap();
+        // A ping of 125 bytes, and a request that isn't served: both are answered.
+        let pings = [&[0x89, 0xfd, 0, 0, 0, 0][..], &[0; 125]].concat().repeat(100);
+        let text = [&[0x81, 0x82, 0, 0, 0, 0][..], b"{}"].concat().repeat(100);
+        let mut stream = stream;
+        for frames in [&pings, &text].into_iter().cycle().take(FRAMES / 100) {
+            // The bench drops such a client, or takes nothing more from it.
+            if stream.write_all(frames).is_err() {
+                break;
+            }
+        }
+    }
+    let grown = run.resident_bytes().saturating_sub(before);
+    assert!(grown < 40 << 20, "{grown} bytes");
+    let rest = Received::read(&mut page, |received| received.samples.len() > 10);
+    assert!(rest.samples.len() > 10, "the run continues");
+    page.send(Message::text("stop")).unwrap();
+    assert_eq!(run.end().1["end"], Value::from("interrupted by the user"));
 }

@@ -17,6 +17,7 @@
 mod columns;
 mod container;
 mod copy;
+mod encoder;
 mod events;
 mod layout;
 mod packing;
@@ -27,7 +28,9 @@ mod writer;
 
 pub use container::ContainerError;
 pub use copy::copy_with_index;
+pub use encoder::{Encoder, Place, Topic};
 pub use events::{RecordedEdge, RecordedText};
+pub use packing::{MESSAGE_ENCODING, SCHEMA_ENCODING};
 pub use reader::{Samples, SamplesError};
 pub use step_times::StepTimes;
 pub use table::write_table;

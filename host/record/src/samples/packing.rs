@@ -4,9 +4,9 @@
 /// Profile of the files, as MCAP names it.
 pub(crate) const PROFILE: &str = "ros2";
 /// Encoding of the messages, as MCAP names it.
-pub(crate) const MESSAGE_ENCODING: &str = "cdr";
+pub const MESSAGE_ENCODING: &str = "cdr";
 /// Encoding of the schemas, as MCAP names it.
-pub(crate) const SCHEMA_ENCODING: &str = "ros2msg";
+pub const SCHEMA_ENCODING: &str = "ros2msg";
 
 /// Plain CDR, little endian, without options.
 const HEAD: [u8; 4] = [0, 1, 0, 0];

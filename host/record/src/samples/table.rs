@@ -5,6 +5,7 @@ use std::path::Path;
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
 
 use super::container::{MessageHead, Writer};
+use super::encoder::full_schema_name;
 use super::layout::{Field, FieldType, encode, schema};
 use super::packing::PROFILE;
 use super::step_times::StepTimes;
@@ -22,7 +23,7 @@ pub fn write_table(columns: &Columns, times: StepTimes, path: &Path) -> Result<(
     let mut file = Writer::new(GrowingFile::create(path, ".samples-", b"")?, PROFILE);
     let field = |column: &lashloop_plant::Signal| Field { ty: FieldType::Float64, column: column.clone() };
     let fields: Vec<_> = columns.signals().iter().map(field).collect();
-    let channel = add_channel(&mut file, TOPIC, "Table", &schema(&fields), times);
+    let channel = add_channel(&mut file, TOPIC, &full_schema_name("Table"), &schema(&fields), times);
     let time_s = columns.get(TIME).unwrap_or_default();
     let mut message = Vec::new();
     for row in 0..columns.len() {

@@ -80,7 +80,10 @@ const ALLOWED: [(&str, &[&str]); 30] = [
             "lashloop-plot",
         ],
     ),
-    ("lashloop-live", &["lashloop-protocol", "lashloop-plant", "lashloop-bench", "lashloop-report"]),
+    (
+        "lashloop-live",
+        &["lashloop-protocol", "lashloop-plant", "lashloop-bench", "lashloop-record", "lashloop-report"],
+    ),
     // A plant's process of its own: it shares the protocol with the bench and no code.
     ("lashloop-fmu", &[]),
     // Studies, of which the command line has the commands.
