@@ -28,7 +28,12 @@ def watched(out: Path, subprotocol: str) -> list[list[Any]]:
     run = subprocess.Popen([*words, *live], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert run.stdout is not None
     url = run.stdout.readline().split()[1].replace("http://", "ws://")
-    watch: list[str | Path] = [Path(sys.executable).parent / "node", Path(__file__).parent / "readers/watch_run.cjs", url, subprotocol]
+    watch: list[str | Path] = [
+        Path(sys.executable).parent / "node",
+        Path(__file__).parent / "readers/watch_run.cjs",
+        url,
+        subprotocol,
+    ]
     environment = os.environ | {"NODE_PATH": str(READERS / "node_modules")}
     ended = subprocess.run(watch, env=environment, capture_output=True, text=True, check=False, timeout=120)
     _, errors = run.communicate(timeout=120)

@@ -1,4 +1,4 @@
-//! `lashloop export`: a record as CSV, Parquet or MCAP.
+//! `lashloop export`: a record as CSV, Parquet, MCAP or MF4.
 
 use std::path::PathBuf;
 
@@ -13,10 +13,11 @@ use super::error::CliError;
 use super::output::{outln, warn};
 use lashloop::Bench;
 
-/// Write a record as CSV, Parquet or MCAP, with chosen signals and every n-th step
+/// Write a record as CSV, Parquet, MCAP or MF4, with chosen signals and every n-th step
 ///
 /// Numbers have all their bits. Without --signal, the file has every column of the run and its timing. MCAP without a
 /// selection is a copy of run.mcap with all topics; it has an index even if the run was interrupted.
+/// MF4 has what happened in the run as events.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Folder of the record
@@ -43,7 +44,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = f64::INFINITY, value_name = "S", hide_default_value = true)]
     until: f64,
 
-    /// File [default: export.csv, export.parquet or export.mcap in the folder of the record]
+    /// File [default: export.csv, export.parquet, export.mcap or export.mf4 in the folder of the record]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -53,6 +54,7 @@ enum To {
     Csv,
     Parquet,
     Mcap,
+    Mf4,
 }
 
 impl Arguments {
@@ -67,11 +69,12 @@ impl Arguments {
         }
         let every = self.every as usize;
         let selection = Selection { signals: self.signals, every, from_s: from, until_s: until };
-        let [csv, parquet, mcap] = EXPORT_FILES;
+        let [csv, parquet, mcap, mf4] = EXPORT_FILES;
         let (format, name) = match self.to {
             To::Csv => (Format::Csv, csv),
             To::Parquet => (Format::Parquet, parquet),
             To::Mcap => (Format::Mcap, mcap),
+            To::Mf4 => (Format::Mf4, mf4),
         };
         let path = self.out.unwrap_or_else(|| self.record.join(name));
         RecordFolder::check_output(&path)?;

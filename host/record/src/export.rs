@@ -35,6 +35,8 @@ pub enum Format {
     Parquet,
     /// MCAP: all messages of the run, or one message per row of a selection.
     Mcap,
+    /// ASAM MDF 4.
+    Mf4,
 }
 
 /// Why a record can't be exported.
@@ -132,6 +134,7 @@ pub fn export(
             whole(&|path| copy_with_index(&record.folder.join(SAMPLES_FILE), path))?;
         }
         Format::Mcap => whole(&|path| write_table(&columns, record.manifest.step_times(), path))?,
+        Format::Mf4 => whole(&|path| crate::mf4::write(record, &columns, path))?,
         #[cfg(feature = "parquet")]
         Format::Parquet => whole(&|path| crate::parquet::write(&columns, path))?,
         #[cfg(not(feature = "parquet"))]

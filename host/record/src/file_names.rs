@@ -21,7 +21,7 @@ pub const COMPARISON_FILE: &str = "comparison.html";
 /// The figure of `plot`.
 pub const FIGURE_FILE: &str = "record.svg";
 /// The files of `export`, one for each format. That of CSV is also the one of `run --csv`.
-pub const EXPORT_FILES: [&str; 3] = ["export.csv", "export.parquet", "export.mcap"];
+pub const EXPORT_FILES: [&str; 4] = ["export.csv", "export.parquet", "export.mcap", "export.mf4"];
 /// The link to the latest record, next to its folder.
 pub const LATEST: &str = "latest";
 
@@ -31,5 +31,12 @@ pub const ALL: [&str; 7] =
     [SUMMARY_FILE, FAILURE_FILE, SCOPE_FILE, SAMPLES_FILE, REFERENCE_FILE, SCENARIO_FILE, MANIFEST_FILE];
 
 /// What other commands derive from a record and write next to it, unless they are given another name.
-pub const DERIVED: [&str; 6] =
-    [REPORT_FILE, COMPARISON_FILE, FIGURE_FILE, EXPORT_FILES[0], EXPORT_FILES[1], EXPORT_FILES[2]];
+pub const DERIVED: [&str; 7] = [
+    REPORT_FILE,
+    COMPARISON_FILE,
+    FIGURE_FILE,
+    EXPORT_FILES[0],
+    EXPORT_FILES[1],
+    EXPORT_FILES[2],
+    EXPORT_FILES[3],
+];

@@ -25,6 +25,7 @@ pub mod folder;
 pub mod host_facts;
 pub mod json_file;
 pub mod manifest;
+mod mf4;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 mod read_error;

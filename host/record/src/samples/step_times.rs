@@ -17,7 +17,8 @@ const QOS: &str = "offered_qos_profiles";
 
 impl StepTimes {
     /// The time of a step, in ns since 1970.
-    pub(super) fn at(self, step: u64) -> u64 {
+    #[must_use]
+    pub fn at(self, step: u64) -> u64 {
         self.start_ns + step * self.period_ns()
     }
 

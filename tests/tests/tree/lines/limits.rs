@@ -20,7 +20,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/live", 1_400),
     ("host/plant", 4_300),
     ("host/plot", 1_000),
-    ("host/record", 4_050),
+    ("host/record", 4_250),
     ("host/report", 3_550),
     ("host/session", 2_900),
     ("protocol", 2_000),
