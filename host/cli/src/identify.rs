@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
@@ -24,6 +24,7 @@ use lashloop::Bench;
 use lashloop_hardware::identify::files::{
     DRIVE_FILE, DriveUse, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
 };
+use lashloop_hardware::identify::models::Simulator;
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use lashloop_hardware::identify::record::{directions_in_force, series};
 
@@ -66,9 +67,34 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
+    /// Print the estimates as a model of another simulator instead; with --out, write it too, as drive.xml, Drive.mo or
+    /// build_drive.m
+    #[arg(long, value_name = "SIMULATOR", conflicts_with = "json")]
+    to: Option<To>,
+
     /// Print the estimates as JSON, as in estimates.json
     #[arg(long, conflicts_with = "out")]
     json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum To {
+    /// MJCF of MuJoCo
+    Mujoco,
+    /// Modelica, without a library
+    Modelica,
+    /// A script of MATLAB that builds a diagram of Simulink
+    SimulinkScript,
+}
+
+impl From<To> for Simulator {
+    fn from(to: To) -> Self {
+        match to {
+            To::Mujoco => Self::Mujoco,
+            To::Modelica => Self::Modelica,
+            To::SimulinkScript => Self::SimulinkScript,
+        }
+    }
 }
 
 impl Arguments {
@@ -81,7 +107,9 @@ impl Arguments {
         let of_record = scenario(records[0].0, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
         let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
-        if !self.json {
+        let simulator = self.to.map(Simulator::from);
+        let is_table = !self.json && (simulator.is_none() || self.out.is_some());
+        if is_table {
             outln!(
                 "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
              {torque_delay_us} us\n"
@@ -112,12 +140,21 @@ impl Arguments {
         let identified = lashloop_identify::identify(&motions, &instruments, &start)?;
         if self.json {
             print_json(&identified)?;
-        } else {
+        } else if is_table {
             outln!("{}", table(&identified).trim_end());
         }
-        if let Some(folder) = &self.out {
-            prepare_folder(folder, &[])?;
-            write_estimates(folder, &identified, of_drive, "", |_| true)?;
+        match (&self.out, simulator) {
+            (Some(folder), _) => {
+                prepare_folder(folder, &[])?;
+                write_estimates(folder, &identified, of_drive, "", |_| true)?;
+                if let Some(simulator) = simulator {
+                    let file = folder.join(simulator.file_name());
+                    write_file(&file, &simulator.model(&identified))?;
+                    outln!("{}", file.display());
+                }
+            }
+            (None, Some(simulator)) => outln!("{}", simulator.model(&identified).trim_end()),
+            (None, None) => {}
         }
         Ok(Exit::Pass)
     }

@@ -35,6 +35,16 @@ fn digits(estimate: &Estimate, value: f64) -> String {
     }
 }
 
+/// An estimate as a number.
+pub(super) fn shown(estimate: &Estimate) -> String {
+    digits(estimate, estimate.value)
+}
+
+/// Its interval as a text.
+pub(super) fn interval(estimate: &Estimate) -> String {
+    format!("{} to {}", digits(estimate, estimate.low), digits(estimate, estimate.high))
+}
+
 /// The table on standard output.
 #[must_use]
 pub fn table(identified: &Identified) -> String {
