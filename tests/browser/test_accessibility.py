@@ -69,7 +69,6 @@ def test_the_button_switches_between_light_and_dark(open_page: Opener, failed: R
 
 def test_all_that_is_interactive_or_drawn_has_a_name(open_page: Opener, failed: Record) -> None:
     page = open_page(failed.page)
-    page.get_by_text("Further signals").click()
     nameless = page.evaluate(
         """[...document.querySelectorAll("a, button, input, svg.plot, svg[role=img]")].filter((it) => {
             const label = it.getAttribute("aria-label") || it.closest("label")?.textContent || it.textContent;
@@ -118,6 +117,17 @@ def test_paper_has_every_chart_whole_and_no_controls(open_page: Opener, failed: 
         }).map((it) => it.outerHTML.slice(0, 80))"""
     )
     assert clipped == []
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    # A pixel of the page is 0.75 pt.
+    points = page.evaluate(
+        """[...document.querySelectorAll(".plot text")].filter((it) => it.checkVisibility()).map((it) => {
+            const plot = it.closest("svg");
+            const scale = plot.getBoundingClientRect().width / plot.viewBox.baseVal.width;
+            return 0.75 * scale * parseFloat(getComputedStyle(it).fontSize);
+        })"""
+    )
+    assert len(points) > 50
+    assert min(points) >= 7
     assert page.locator(".controls:visible, .theme:visible").count() == 0
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     OUTPUT.mkdir(parents=True, exist_ok=True)

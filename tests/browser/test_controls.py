@@ -160,6 +160,7 @@ def test_a_click_in_the_legend_hides_a_curve_and_fits_the_axis(page: Page) -> No
 
 
 def test_a_worst_step_leads_to_its_time(page: Page) -> None:
+    page.get_by_text("Timing of the exchange").click()
     jump = page.locator(".worst .jump").first
     time_s = float(jump.get_attribute("data-time") or "nan")
     jump.click()

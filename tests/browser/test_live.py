@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 from typing import TYPE_CHECKING, Any
 
@@ -82,8 +83,25 @@ def test_page_of_a_complete_run_has_the_numbers_of_its_summary(pages: Any, tmp_p
     summary = run.end()
     assert page.locator("#badge").inner_text() == summary["verdict"]
     assert str(tmp_path) in page.locator("#why").inner_text()
-    assert page.locator(".chart").count() == 6
-    left, right = (page.locator(".chart").nth(index).bounding_box() for index in (0, 1))
+    titles = page.locator(".chart:visible h3").all_text_contents()
+    own = [it for it in titles if it.startswith("Drive's own signals")]
+    assert titles[1 : 1 + len(own)] == own
+    assert [it for it in titles if it not in own] == [
+        "Load position",
+        "Torque",
+        "Twist and gap",
+        "Dead-zone estimate",
+        "Disturbing torque",
+        "Timing",
+    ]
+    energy = page.locator(".chart", has=page.get_by_role("heading", name="Signals in J", exact=True))
+    assert energy.is_hidden()
+    page.get_by_role("button", name="Signals in J", exact=True).click()
+    expect(energy).to_be_visible()
+    expect(energy.locator("g.curves path").first).to_have_attribute("d", re.compile("^M.{20}"))
+    page.get_by_role("button", name=own[0], exact=True).click()
+    assert page.locator(".chart", has=page.get_by_role("heading", name=own[0], exact=True)).is_hidden()
+    left, right = (page.locator(".chart:visible").nth(index).bounding_box() for index in (0, 1))
     assert left is not None
     assert right is not None
     assert left["y"] == right["y"], "two charts are side by side"

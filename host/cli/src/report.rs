@@ -1,6 +1,7 @@
 //! `lashloop report`: records as a page for a browser.
 
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use clap::Args;
 use lashloop_bench::verdict::Exit;
@@ -24,6 +25,11 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "DIR")]
     records: Vec<PathBuf>,
 
+    /// Signals to plot in one chart in front of the others, separated by commas, such as load_position_rad,reference_rad or
+    /// drive.*; one chart for each unit. Repeatable
+    #[arg(long = "panel", value_name = "NAME,...")]
+    panels: Vec<String>,
+
     /// File for the page [default: report.html in the folder, for several records comparison.html in the first folder]
     #[arg(long, value_name = "FILE.html")]
     out: Option<PathBuf>,
@@ -33,22 +39,33 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let text = match &self.records[..] {
             [folder] if campaign_report::is_campaign(folder) => campaign_report::page_of(folder, bench)?,
-            [folder] => page::run(&read(folder)?),
-            folders => comparison(folders)?,
+            [folder] => {
+                let run = read(folder)?;
+                page::run(&run, &self.panels(slice::from_ref(&run))?)
+            }
+            folders => self.comparison(folders)?,
         };
         let file = if self.records.len() == 1 { REPORT_FILE } else { COMPARISON_FILE };
         let path = self.out.unwrap_or_else(|| self.records[0].join(file));
         save(&path, &text).map(|()| Exit::Pass)
     }
-}
 
-fn comparison(folders: &[PathBuf]) -> Result<String, CliError> {
-    let records = folders.iter().map(|folder| RecordFiles::read(folder)).collect::<Result<Vec<_>, _>>()?;
-    let settings = settings(&records);
-    let named = folders.iter().zip(records);
-    let run =
-        |(folder, files): (&PathBuf, RecordFiles)| page::Run::new(name_among(folders, folder), files.record);
-    Ok(page::comparison(&named.map(run).collect::<Vec<_>>(), &settings))
+    fn comparison(&self, folders: &[PathBuf]) -> Result<String, CliError> {
+        let records =
+            folders.iter().map(|folder| RecordFiles::read(folder)).collect::<Result<Vec<_>, _>>()?;
+        let settings = settings(&records);
+        let named = folders.iter().zip(records);
+        let run = |(folder, files): (&PathBuf, RecordFiles)| {
+            page::Run::new(name_among(folders, folder), files.record)
+        };
+        let runs: Vec<_> = named.map(run).collect();
+        Ok(page::comparison(&runs, &settings, &self.panels(&runs)?))
+    }
+
+    fn panels(&self, runs: &[page::Run]) -> Result<page::Panels, CliError> {
+        let lists: Vec<_> = self.panels.iter().map(|it| it.split(',').map(str::to_owned).collect()).collect();
+        Ok(page::Panels::of(runs, &lists)?)
+    }
 }
 
 /// The last part of a path; the whole path where two of them share it.
@@ -60,7 +77,7 @@ pub(super) fn name_among(paths: &[PathBuf], path: &Path) -> String {
 
 /// Writes the page of a record into its folder.
 pub(super) fn write(folder: &Path) -> Result<(), CliError> {
-    save(&folder.join(REPORT_FILE), &page::run(&read(folder)?))
+    save(&folder.join(REPORT_FILE), &page::run(&read(folder)?, &page::Panels::default()))
 }
 
 fn read(folder: &Path) -> Result<page::Run, CliError> {

@@ -10,14 +10,16 @@ pub(super) const TIMING_COLUMNS: [&str; 2] = ["lateness_us", "round_trip_us"];
 /// A diagram of the page over time.
 #[derive(Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Panel {
-    title: &'static str,
+    title: String,
     unit: String,
+    /// Whether it is open at first; a click opens and closes it.
+    is_open: bool,
     curves: Vec<Curve>,
 }
 
 #[derive(Debug, PartialEq, Eq, Serialize)]
 struct Curve {
-    label: &'static str,
+    label: String,
     /// Index of the column.
     column: usize,
     role: Role,
@@ -34,7 +36,12 @@ enum Role {
     Reference,
     /// A limit on both sides of zero.
     Limits,
+    /// One of several, with a colour of its own.
+    Signal,
 }
+
+/// Most curves of a panel, which has a colour for each.
+const MOST_CURVES: usize = 8;
 
 /// Title, and per curve its label, its column and its meaning. A panel without its first curve is omitted.
 type Template = (&'static str, &'static [(&'static str, &'static str, Role)]);
@@ -86,21 +93,66 @@ pub(super) fn columns(signals: &SignalTable) -> Vec<Signal> {
     FIXED_SIGNALS.iter().chain(&signals.plant).cloned().chain(drive).chain(timing).collect()
 }
 
-/// The panels that these columns allow.
+/// The panels that these columns allow: the load's position, then the drive's own signals, all open; of the plant's signals
+/// those that no other panel has, closed.
 pub(super) fn panels(columns: &[Signal]) -> Vec<Panel> {
-    let find = |name: &str| columns.iter().position(|column| column.name == name);
-    let panel = |(title, curves): Template| {
+    let of_templates: Vec<_> = templates(columns).collect();
+    let is_left = |column: &usize| {
+        let shown = of_templates.iter().flat_map(|panel| &panel.curves);
+        !INTERNAL.contains(&&*columns[*column].name) && shown.into_iter().all(|curve| curve.column != *column)
+    };
+    let left: Vec<usize> = (0..columns.len()).filter(is_left).collect();
+    let (own, plant): (Vec<_>, Vec<_>) =
+        left.into_iter().partition(|column| columns[*column].name.starts_with(DRIVE_PREFIX));
+    let own = by_unit(columns, &own, "Drive's own signals", true);
+    let plant = by_unit(columns, &plant, "Signals", false);
+    let mut of_templates = of_templates.into_iter();
+    let first = of_templates.next();
+    first.into_iter().chain(own).chain(of_templates).chain(plant).collect()
+}
+
+/// Columns that no panel shows for themselves.
+const INTERNAL: [&str; 2] = ["contact", "telemetry_time_s"];
+
+/// A panel for each unit, more if the colours don't suffice.
+fn by_unit(columns: &[Signal], of: &[usize], what: &str, is_open: bool) -> Vec<Panel> {
+    let mut panels: Vec<Panel> = Vec::new();
+    for &column in of {
+        let Signal { name, unit } = &columns[column];
+        let curve = Curve { label: name.to_string(), column, role: Role::Signal };
+        let has_room = |it: &&mut Panel| it.unit == **unit && it.curves.len() < MOST_CURVES;
+        match panels.iter_mut().find(has_room) {
+            Some(panel) => panel.curves.push(curve),
+            None => panels.push(Panel {
+                title: if unit.is_empty() {
+                    format!("{what} without a unit")
+                } else {
+                    format!("{what} in {unit}")
+                },
+                unit: unit.to_string(),
+                is_open,
+                curves: vec![curve],
+            }),
+        }
+    }
+    panels
+}
+
+fn templates(columns: &[Signal]) -> impl Iterator<Item = Panel> {
+    let find = move |name: &str| columns.iter().position(|column| column.name == name);
+    let panel = move |(title, curves): Template| {
         let first = find(curves[0].1)?;
         let curve = |&(label, name, role): &(&'static str, &str, Role)| {
-            find(name).map(|column| Curve { label, column, role })
+            find(name).map(|column| Curve { label: label.to_owned(), column, role })
         };
         Some(Panel {
-            title,
+            title: title.to_owned(),
+            is_open: true,
             unit: columns[first].unit.to_string(),
             curves: curves.iter().filter_map(curve).collect(),
         })
     };
-    PANELS.into_iter().filter_map(panel).collect()
+    PANELS.into_iter().filter_map(panel)
 }
 
 #[cfg(test)]
@@ -113,13 +165,45 @@ mod tests {
         let drive = vec![Signal::new("requested_torque_nm", "N m")];
         let columns = columns(&SignalTable { plant, drive });
         let panels = panels(&columns);
-        let titles: Vec<_> = panels.iter().map(|panel| panel.title).collect();
-        assert_eq!(titles, ["Load position", "Torque", "Twist and gap", "Timing"]);
+        let titles: Vec<_> = panels.iter().map(|panel| &*panel.title).collect();
+        assert_eq!(titles, ["Load position", "Torque", "Twist and gap", "Timing", "Signals in rad"]);
         let names = |panel: &Panel| -> Vec<String> {
             panel.curves.iter().map(|curve| columns[curve.column].name.to_string()).collect()
         };
         assert_eq!(names(&panels[1]), ["torque_nm", "drive.requested_torque_nm"]);
         assert_eq!(names(&panels[2]), ["twist_rad", "dead_zone_rad"]);
         assert_eq!(panels[3].unit, "us");
+    }
+
+    #[test]
+    fn own_signals_have_an_open_panel_for_each_unit_behind_the_load() {
+        let signals = |names: &[(&'static str, &'static str)]| -> Vec<Signal> {
+            names.iter().map(|(name, unit)| Signal::new(name, unit)).collect()
+        };
+        let plant = signals(&[("twist_rad", "rad"), ("contact", ""), ("stored_energy_j", "J")]);
+        let drive = signals(&[
+            ("mine_nm", "N m"),
+            ("requested_torque_nm", "N m"),
+            ("phase", ""),
+            ("other_nm", "N m"),
+        ]);
+        let columns = columns(&SignalTable { plant, drive });
+        let panels = panels(&columns);
+        let shown: Vec<(&str, bool, usize)> =
+            panels.iter().map(|it| (&*it.title, it.is_open, it.curves.len())).collect();
+        let expected = [
+            ("Load position", true, 2),
+            ("Drive's own signals in N m", true, 2),
+            ("Drive's own signals without a unit", true, 1),
+            ("Torque", true, 2),
+            ("Twist and gap", true, 1),
+            ("Timing", true, 2),
+            ("Signals in rad", false, 1),
+            ("Signals in J", false, 1),
+        ];
+        assert_eq!(shown, expected);
+        let all: Vec<_> = panels.iter().flat_map(|it| &it.curves).map(|it| it.column).collect();
+        let internal = columns.iter().filter(|it| INTERNAL.contains(&&*it.name)).count();
+        assert_eq!(all.len() + internal, columns.len(), "every signal has a place");
     }
 }

@@ -30,24 +30,44 @@ pub(crate) fn apart(sources: &[Source<'_>], names: &[String]) -> Result<Vec<Pane
 
 /// Panels with all signals that match one of the names: one panel for each unit, more if the colours don't suffice.
 pub(crate) fn together(sources: &[Source<'_>], names: &[String]) -> Result<Vec<Panel>, DrawError> {
-    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-    for name in matches(sources, names)? {
-        let unit = unit(sources, &name)?;
-        match groups.iter_mut().find(|(other, names)| *other == unit && names.len() < MOST) {
-            Some((_, names)) => names.push(name),
-            None => groups.push((unit, vec![name])),
-        }
-    }
-    let panels = groups.iter().map(|(unit, shown)| {
-        let shown: Vec<&str> = shown.iter().map(String::as_str).collect();
-        let title = match &shown[..] {
-            [name] => (*name).to_owned(),
-            _ if names == ["*"] => format!("Signals in {unit}"),
-            _ => format!("{} in {unit}", names.join(", ")),
-        };
-        panel(sources, &shown, title.trim_end_matches(" in "), unit)
+    let panels = groups(sources, names, MOST)?.into_iter().map(|Group { title, unit, names }| {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        panel(sources, &names, &title, &unit)
     });
     Ok(panels.collect())
+}
+
+/// Signals of one unit that are shown together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Group {
+    pub(crate) title: String,
+    pub(crate) unit: String,
+    pub(crate) names: Vec<String>,
+}
+
+/// All signals that match one of the names, in groups of one unit and of at most `most`.
+pub(crate) fn groups(
+    sources: &[Source<'_>],
+    patterns: &[String],
+    most: usize,
+) -> Result<Vec<Group>, DrawError> {
+    let mut groups: Vec<Group> = Vec::new();
+    for name in matches(sources, patterns)? {
+        let unit = unit(sources, &name)?;
+        match groups.iter_mut().find(|it| it.unit == unit && it.names.len() < most) {
+            Some(group) => group.names.push(name),
+            None => groups.push(Group { title: String::new(), unit, names: vec![name] }),
+        }
+    }
+    for Group { title, unit, names } in &mut groups {
+        let named = match &names[..] {
+            [name] => name.clone(),
+            _ if patterns == ["*"] => format!("Signals in {unit}"),
+            _ => format!("{} in {unit}", patterns.join(", ")),
+        };
+        named.trim_end_matches(" in ").clone_into(title);
+    }
+    Ok(groups)
 }
 
 /// The signals of all sources that match the patterns, in the order of the patterns, each once.

@@ -66,7 +66,7 @@ pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, WriteError> {
                 continue;
             }
         };
-        let text = crate::page::run(&run);
+        let text = crate::page::run(&run, &crate::page::Panels::default());
         write_whole(&record.join(REPORT_FILE), ".report-", |file| file.write_all(text.as_bytes()))?;
     }
     Ok(unreadable)

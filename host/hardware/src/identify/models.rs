@@ -1,7 +1,7 @@
 //! The estimates as a model of another simulator: two inertias, half a gap each way, a spring that pushes only, and friction.
 //!
 //! All quantities of shaft and gap are at the motor, as in [`plant_toml`](super::files::plant_toml): the twist is the angle of the
-//! motor less the ratio times that of the load.
+//! motor minus the ratio times that of the load.
 
 use std::fmt::Write as _;
 

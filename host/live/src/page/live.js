@@ -65,10 +65,12 @@
     document.title = `${text.title} \u2013 Lashloop live`;
     at("title").textContent = text.title;
     at("charts").replaceChildren();
+    at("panels").replaceChildren();
     at("controls").hidden = false;
     const group = LashloopCharts.group(0, 1e-3);
     const charts = text.panels.map((panel) => {
       const host = at("charts").appendChild(document.createElement("div"));
+      choice(host, panel);
       const curves = panel.curves.flatMap((it) => (it.role === "limits" ? [[it, 1, `upper ${it.label}`], [it, -1, `lower ${it.label}`]] : [[it, 1, it.label]]));
       const series = curves.map(([it, sign, name]) => ({
         name,
@@ -86,6 +88,21 @@
     facts([["scenario", text.scenario], ["drive", text.device], ["law", text.controller], ["clock", text.clock]]);
     badge("LIVE", "none", "The run continues.");
     at("stop").disabled = false;
+  }
+
+  // A button that opens and closes a panel.
+  function choice(host, panel) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: panel.title });
+    const show = (isOpen) => {
+      host.hidden = !isOpen;
+      button.setAttribute("aria-pressed", String(isOpen));
+    };
+    button.addEventListener("click", () => {
+      show(host.hidden);
+      run.group.redraw();
+    });
+    show(panel.is_open);
+    at("panels").append(button);
   }
 
   function take(buffer) {

@@ -3,10 +3,11 @@
 use lashloop_record::diff::{Comparison, DiffOptions, Setting};
 use maud::{Markup, html};
 
-use super::data::{Chart, Data, Part, Series};
+use super::chosen_panels::Panels;
+use super::data::{Chart, Data, Part, Series, coloured};
 use super::input::Run;
 use super::part::{differences, metrics, plots, settings};
-use super::run_charts::{HYSTERESIS, PHASE_PLANE, coloured, error_rad, estimates, spelled, trail};
+use super::run_charts::{HYSTERESIS, PHASE_PLANE, error_rad, estimates, is_own, spelled, trail};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
 use crate::steps::round_trip_us;
@@ -26,20 +27,20 @@ const DIGITS_OF_DIGEST: usize = 12;
 type Named = (String, Vec<f64>);
 
 /// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with;
-/// `settings` are those of the same records.
+/// `settings` are those of the same records. The user's panels are in front.
 #[must_use]
-pub fn comparison(runs: &[Run], settings: &[Setting]) -> String {
-    page(runs, settings, None)
+pub fn comparison(runs: &[Run], settings: &[Setting], panels: &Panels) -> String {
+    page(runs, settings, None, panels)
 }
 
 /// Two records over the same axes with the result of their comparison, as a self-contained HTML document.
 #[must_use]
 pub fn diff(runs: &[Run; 2], settings: &[Setting], comparison: &Comparison, options: &DiffOptions) -> String {
-    page(runs, settings, Some(&differences::section(comparison, options)))
+    page(runs, settings, Some(&differences::section(comparison, options)), &Panels::default())
 }
 
-fn page(runs: &[Run], settings: &[Setting], result: Option<&Markup>) -> String {
-    let (data, ()) = Data::fitted(runs, |data| (charts(runs, data), ()));
+fn page(runs: &[Run], settings: &[Setting], result: Option<&Markup>, panels: &Panels) -> String {
+    let (data, ()) = Data::fitted(runs, |data| (charts(runs, data, panels), ()));
     let title = format!("Comparison of {} runs", runs.len());
     let content = html! {
         section #runs {
@@ -78,7 +79,8 @@ fn table(runs: &[Run]) -> Markup {
     }
 }
 
-fn charts(runs: &[Run], mut data: Data) -> Data {
+fn charts(runs: &[Run], mut data: Data, panels: &Panels) -> Data {
+    panels.draw(&mut data, runs);
     let mut position =
         of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
     let mut drawn: Vec<&[f64]> = Vec::new();
@@ -106,6 +108,9 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
             names.push(pair);
         }
     }
+    for (name, unit) in own(runs, &names) {
+        push(&mut data, &name, &unit, &|run| column(run, &name));
+    }
     for (estimate, truth) in &names {
         let unit = runs.iter().find_map(|run| run.record.trace.unit(estimate)).unwrap_or_default();
         let title = format!("Estimate: {}", spelled(truth, unit));
@@ -126,6 +131,22 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         trail(&mut data, runs, over, None);
     }
     data
+}
+
+/// The drives' own signals, with their units: those that no other chart has, and that change in a run.
+fn own(runs: &[Run], estimates: &[(String, String)]) -> Vec<(String, String)> {
+    let mut own: Vec<(String, String)> = Vec::new();
+    for run in runs {
+        for signal in run.record.trace.signals() {
+            let name = &*signal.name;
+            let is_own = is_own(name) && estimates.iter().all(|(estimate, _)| estimate != name);
+            let changes = || run.column(name).is_some_and(|it| it.iter().any(|value| *value != it[0]));
+            if is_own && own.iter().all(|(other, _)| other != name) && changes() {
+                own.push((name.to_owned(), signal.unit.to_string()));
+            }
+        }
+    }
+    own
 }
 
 fn column(run: &Run, name: &str) -> Option<Named> {

@@ -15,6 +15,9 @@ const MOST_DIGITS: usize = 2_600_000;
 /// Groups of steps of a curve that are one group of a trail, which keeps up to four rows of each: a trail is 10^3 pixels long.
 pub(super) const TRAIL_GROUP: usize = 4;
 
+/// Signals of one unit that a chart shows at once: it has a colour for each.
+pub(super) const PER_CHART: usize = 8;
+
 /// Index of a column of a run.
 pub(super) type ColumnId = usize;
 
@@ -50,6 +53,10 @@ pub(super) struct Chart {
     pub(super) series: Vec<Series>,
     pub(super) shades: Vec<Shade>,
     pub(super) marks: Vec<Mark>,
+    pub(super) bands: Vec<Band>,
+    pub(super) notes: Vec<Mark>,
+    /// Range of the vertical axis; `None` for that of the curves.
+    pub(super) range: Option<[f64; 2]>,
     /// Names of both axes; `None` for a chart over time.
     pub(super) axes: Option<Axes>,
 }
@@ -103,6 +110,16 @@ pub(super) struct Shade {
     pub(super) intervals: Vec<f64>,
 }
 
+/// Limits of the values over a part of the time in s.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Band {
+    pub(super) name: &'static str,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) low: Option<f64>,
+    pub(super) high: Option<f64>,
+}
+
 /// An event, at a time in s.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Mark {
@@ -152,6 +169,12 @@ impl Series {
     }
 }
 
+/// The colours of a chart, then the same dashed.
+pub(super) fn coloured(number: usize, series: Series) -> Series {
+    let series = series.style(format!("c{}", number % PER_CHART));
+    if number / PER_CHART % 2 == 1 { series.dashed() } else { series }
+}
+
 impl Chart {
     pub(super) fn new(title: impl Into<String>, unit: impl Into<String>, series: Vec<Series>) -> Self {
         Self {
@@ -161,6 +184,9 @@ impl Chart {
             series,
             shades: Vec::new(),
             marks: Vec::new(),
+            bands: Vec::new(),
+            notes: Vec::new(),
+            range: None,
             axes: None,
         }
     }

@@ -7,15 +7,17 @@
 //! |---|---|---|
 //! | input | `input` | a record with its name |
 //! | judgement | `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
-//! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
+//! | charts | `run_charts`, `chosen_panels`, `annotations`, `data`, `codec` | which charts the signals permit and the user chooses; what is said of the curves; columns as short text |
 //! | numbers | `typeset` | numbers and units as a book prints them |
 //! | parts | `part`, `campaign` | one section of a page per file |
 //! | pages | `run_page`, `comparison_page`, `suite_page`, `campaign_page` | the parts of a page, in their order |
 //! | document | `shell`, `assets` | head, policy, style and scripts |
 
+mod annotations;
 pub mod assets;
 mod campaign;
 mod campaign_page;
+mod chosen_panels;
 mod codec;
 mod comparison_page;
 mod data;
@@ -33,6 +35,7 @@ mod why;
 
 pub use campaign::input::CampaignResults;
 pub use campaign_page::campaign;
+pub use chosen_panels::Panels;
 pub use comparison_page::{comparison, diff};
 pub use input::Run;
 pub use margin::Margin;

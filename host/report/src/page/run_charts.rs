@@ -3,16 +3,22 @@
 use std::slice;
 
 use lashloop_bench::fault::timeline::FaultRecord;
+use lashloop_plant::metrics::DRIVE_PREFIX;
 use lashloop_record::trace::{TELEMETRY_TIME, TIME};
 
-use super::data::{Chart, Data, Mark, Part, Series, Shade};
+use super::annotations;
+use super::chosen_panels::Panels;
+use super::data::{Chart, Data, Mark, PER_CHART, Part, Series, Shade, coloured};
 use super::input::Run;
 use crate::steps::{round_trip_us, row_of_step};
 
 /// Most intervals of contact of a page.
 const MOST_INTERVALS: usize = 3_000;
-/// Signals that a chart of further signals shows at once.
-const PER_CHART: usize = 4;
+/// Heights of the half gap that the enlarged gap shows each way, and from how many on the other chart of the twist is too coarse.
+const ENLARGED: f64 = 1.25;
+const COARSE: f64 = 3.0;
+/// The torque of the law, before the drive's limits.
+const REQUESTED: &str = "drive.requested_torque_nm";
 /// Columns that no chart shows for themselves.
 const INTERNAL: [&str; 3] = [TIME, TELEMETRY_TIME, "contact"];
 
@@ -36,14 +42,16 @@ const LOST_MOTION: Over = (
     [("reference", "rad"), ("load position", "rad")],
 );
 
-/// The charts of a single run.
-pub(super) fn charts(run: &Run) -> (Data, Vec<Constant>) {
-    Data::fitted(slice::from_ref(run), |data| draw(run, data))
+/// The charts of a single run, behind those that the user chooses.
+pub(super) fn charts(run: &Run, panels: &Panels) -> (Data, Vec<Constant>) {
+    Data::fitted(slice::from_ref(run), |data| draw(run, data, panels))
 }
 
-fn draw(run: &Run, data: Data) -> (Data, Vec<Constant>) {
+fn draw(run: &Run, mut data: Data, panels: &Panels) -> (Data, Vec<Constant>) {
+    panels.draw(&mut data, slice::from_ref(run));
     let mut page = Charts { run, data, shown: Vec::new() };
     page.position();
+    page.own();
     page.error();
     page.torque();
     page.twist();
@@ -94,28 +102,50 @@ impl Charts<'_> {
     fn position(&mut self) {
         let reference = self.series("reference", "reference_rad").map(|it| it.style("reference").dashed());
         let load = self.series("load", "load_position_rad").map(|it| it.style("c0"));
-        self.push(Chart::new("Load position", "rad", [load, reference].into_iter().flatten().collect()));
+        let mut chart = Chart::new("Load position", "rad", [load, reference].into_iter().flatten().collect());
+        let (notes, bands) = annotations::of_step(self.run);
+        chart.notes = notes;
+        chart.bands.extend(bands);
+        self.expected(&mut chart, "load_position_rad");
+        self.push(chart);
+    }
+
+    /// Adds the limits that the scenario expects of a signal.
+    fn expected(&self, chart: &mut Chart, name: &str) {
+        chart.bands.extend(annotations::of_signal(self.run, name));
+    }
+
+    /// The drive's own signals: those that no other chart has, a chart for each unit.
+    fn own(&mut self) {
+        let estimates = estimates(self.run);
+        let is_estimate = |name: &str| estimates.iter().any(|(it, _)| it == name);
+        let signals = self.run.record.trace.signals();
+        let own = signals.iter().filter(|it| is_own(&it.name) && !is_estimate(&it.name));
+        let own: Vec<_> = own.map(|it| (it.name.to_string(), it.unit.to_string())).collect();
+        for (unit, names) in self.changing(own).0 {
+            self.of_unit(&unit, &names, "Drive's own signals", Part::Motion);
+        }
     }
 
     fn error(&mut self) {
         let Some(error_rad) = error_rad(self.run) else { return };
         let column = self.data.column(0, "error_rad", || error_rad);
         let series = Series::new("load less reference", 0, column).style("c0");
-        self.push(Chart::new("Position error", "rad", vec![series]));
+        let mut chart = Chart::new("Position error", "rad", vec![series]);
+        self.expected(&mut chart, "error_rad");
+        self.push(chart);
     }
 
     fn torque(&mut self) {
         let torque = self.series("torque", "torque_nm").map(|it| it.style("c0").held());
-        let is_same = self.run.column("torque_nm") == self.run.column("drive.requested_torque_nm");
-        let requested =
-            (!is_same).then(|| self.series("requested by the law", "drive.requested_torque_nm")).flatten();
+        let is_same = self.run.column("torque_nm") == self.run.column(REQUESTED);
+        let requested = (!is_same).then(|| self.series("requested by the law", REQUESTED)).flatten();
         let requested = requested.map(|it| it.style("c1").held());
         let transmitted = self.series("transmitted", "transmitted_torque_nm").map(|it| it.style("c2"));
-        self.push(Chart::new(
-            "Torque",
-            "N m",
-            [requested, torque, transmitted].into_iter().flatten().collect(),
-        ));
+        let series = [requested, torque, transmitted].into_iter().flatten().collect();
+        let mut chart = Chart::new("Torque", "N m", series);
+        self.expected(&mut chart, "torque_nm");
+        self.push(chart);
     }
 
     /// Twist, with the edges of the gap, and the times in contact.
@@ -139,7 +169,22 @@ impl Charts<'_> {
                 intervals: intervals(self.run.times_s(), contact),
             }),
         );
+        self.expected(&mut chart, "twist_rad");
+        let enlarged = self.enlarged(&chart);
         self.push(chart);
+        self.data.charts.extend(enlarged);
+    }
+
+    /// The chart of the twist with the gap as high as the chart, if the shaft winds much farther than that.
+    fn enlarged(&self, chart: &Chart) -> Option<Chart> {
+        let largest = |name: &str| {
+            let values = self.run.column(name)?;
+            Some(values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs())))
+        };
+        let half_gap_rad = largest("dead_zone_rad")?;
+        let is_coarse = half_gap_rad > 0.0 && largest("twist_rad")? > COARSE * half_gap_rad;
+        let range = Some([-ENLARGED * half_gap_rad, ENLARGED * half_gap_rad]);
+        is_coarse.then(|| Chart { title: "Gap, enlarged".to_owned(), range, ..chart.clone() })
     }
 
     /// Each estimate of the drive next to its truth: `drive.X_estimate_UNIT` and `X_UNIT`.
@@ -196,14 +241,22 @@ impl Charts<'_> {
 
     /// All signals that no other chart has, in groups of one unit. Those that never change are returned.
     fn further(&mut self) -> Vec<Constant> {
-        let columns = &self.run.record.trace;
+        let signals = self.run.record.trace.signals().iter();
+        let left =
+            signals.filter(|it| !INTERNAL.contains(&&*it.name) && !self.shown.contains(&it.name.to_string()));
+        let left = left.map(|it| (it.name.to_string(), it.unit.to_string())).collect();
+        let (groups, constants) = self.changing(left);
+        for (unit, names) in groups {
+            self.of_unit(&unit, &names, "Signals", Part::Further);
+        }
+        constants
+    }
+
+    /// Signals in groups of one unit, and those that never change.
+    fn changing(&self, signals: Vec<(String, String)>) -> (Vec<(String, Vec<String>)>, Vec<Constant>) {
         let mut constants = Vec::new();
         let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-        for signal in columns.signals() {
-            let (name, unit) = (signal.name.to_string(), signal.unit.to_string());
-            if INTERNAL.contains(&&*name) || self.shown.contains(&name) {
-                continue;
-            }
+        for (name, unit) in signals {
             let Some(values) = self.run.column(&name) else { continue };
             if values.iter().all(|value| *value == values[0]) {
                 constants.push(Constant { name, value: values[0], unit });
@@ -214,23 +267,23 @@ impl Charts<'_> {
                 None => groups.push((unit, vec![name])),
             }
         }
-        for (unit, names) in groups {
-            let series = names.iter().filter_map(|name| self.series(name, name)).collect();
-            let title = if unit.is_empty() {
-                "Signals without a unit".to_owned()
-            } else {
-                format!("Signals in {unit}")
-            };
-            self.push(Chart::new(title, unit, series).in_part(Part::Further));
-        }
-        constants
+        (groups, constants)
     }
-}
 
-/// Eight colours, then the same dashed.
-pub(super) fn coloured(number: usize, series: Series) -> Series {
-    let series = series.style(format!("c{}", number % 8));
-    if number / 8 % 2 == 1 { series.dashed() } else { series }
+    /// A chart of signals of one unit.
+    fn of_unit(&mut self, unit: &str, names: &[String], what: &str, part: Part) {
+        let series = names.iter().filter_map(|name| self.series(name, name)).collect();
+        let title = match names {
+            [name] => name.clone(),
+            _ if unit.is_empty() => format!("{what} without a unit"),
+            _ => format!("{what} in {unit}"),
+        };
+        let mut chart = Chart::new(title, unit, series).in_part(part);
+        for name in names {
+            self.expected(&mut chart, name);
+        }
+        self.push(chart);
+    }
 }
 
 /// Adds a chart of one column over another, in every run that has both, and under their names without a label. Whether there
@@ -267,6 +320,11 @@ pub(super) fn estimates(run: &Run) -> Vec<(String, String)> {
             .then(|| (name.to_owned(), truth))
     };
     run.record.trace.signals().iter().filter_map(|signal| pair(&signal.name)).collect()
+}
+
+/// Whether a signal is one of the drive's that no chart has by its meaning, estimates apart.
+pub(super) fn is_own(name: &str) -> bool {
+    name.starts_with(DRIVE_PREFIX) && name != REQUESTED
 }
 
 /// A signal's name as words, without its unit.

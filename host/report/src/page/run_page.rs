@@ -1,7 +1,9 @@
 //! The page of one run.
 
+use lashloop_bench::timing::ClockName;
 use maud::{Markup, html};
 
+use super::chosen_panels::Panels;
 use super::data::{Data, Part};
 use super::input::Run;
 use super::part::{expectations, faults, metrics, origin, plots, timing, verdict};
@@ -20,10 +22,10 @@ const LINKS: [Link; 7] = [
     ("repeat", "Run it again"),
 ];
 
-/// The record of one run as a self-contained HTML document.
+/// The record of one run as a self-contained HTML document, with the user's panels in front.
 #[must_use]
-pub fn run(run: &Run) -> String {
-    let (data, constants) = charts(run);
+pub fn run(run: &Run, panels: &Panels) -> String {
+    let (data, constants) = charts(run, panels);
     let has_rows = !run.times_s().is_empty();
     let content = html! {
         (verdict::section(run))
@@ -41,8 +43,15 @@ pub fn run(run: &Run) -> String {
         }
         section #timing {
             h2 { "Timing" }
-            @if plots::has(&data, Part::Timing) { (plots::charts(&data, Part::Timing)) }
-            (timing::section(run))
+            @if run.record.manifest.clock == ClockName::Lockstep {
+                p { "In lockstep plant and drive wait for each other: the timing changes nothing of the run." }
+                details {
+                    summary { "Timing of the exchange" }
+                    (timings(run, &data))
+                }
+            } @else {
+                (timings(run, &data))
+            }
         }
         (faults::section(run))
         @if let Some(summary) = &run.record.summary { (metrics::section(summary)) }
@@ -57,13 +66,20 @@ pub fn run(run: &Run) -> String {
     document(&title, &links, has_rows.then_some(&data), &content)
 }
 
+fn timings(run: &Run, data: &Data) -> Markup {
+    html! {
+        @if plots::has(data, Part::Timing) { (plots::charts(data, Part::Timing)) }
+        (timing::section(run))
+    }
+}
+
 /// Signals that the other charts lack.
 fn further(data: &Data, constants: &[Constant]) -> Markup {
     if !plots::has(data, Part::Further) && constants.is_empty() {
         return html! {};
     }
     html! {
-        details {
+        details open {
             summary { "Further signals" }
             (plots::charts(data, Part::Further))
             @if !constants.is_empty() {

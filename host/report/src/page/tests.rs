@@ -19,11 +19,19 @@ use crate::runs::{Input, Selection, figure};
 
 use lashloop_campaign::suite::check::Check;
 
-use super::{Run, Suite, SuiteRow, comparison, run, suite};
+use super::{Panels, Run, Suite, SuiteRow, suite};
 
 const HOSTILE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
 const MANIFEST: &str = include_str!("../../../record/src/manifest/pinned.json");
 const SUMMARY: &str = include_str!("../../../record/src/summary/pinned.json");
+
+fn run(run: &Run) -> String {
+    super::run(run, &Panels::default())
+}
+
+fn comparison(runs: &[Run], settings: &[Setting]) -> String {
+    super::comparison(runs, settings, &Panels::default())
+}
 
 /// Replaces every text but those that are choices.
 fn replace_texts(value: &mut Value, text: &str) {
@@ -47,7 +55,7 @@ fn of<T: serde::de::DeserializeOwned>(file: &str, text: &str) -> T {
 }
 
 /// A record whose texts are `text`, with `columns` columns of noise in every step from `first` on.
-fn record(text: &str, first: usize, steps: usize, columns: usize) -> Record {
+pub(super) fn record(text: &str, first: usize, steps: usize, columns: usize) -> Record {
     let fixed =
         [("time_s", "s"), ("reference_rad", "rad"), ("load_position_rad", "rad"), ("torque_nm", "N m")];
     let noise = (0..columns)

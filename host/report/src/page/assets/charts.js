@@ -7,6 +7,8 @@
 // "limit"), `isDashed`, `isHeld` for steps. A chart with `axes: { x: { label, unit }, y: { label, unit } }` draws y over x
 // instead; its series have the times as `t`, and the range of time selects what is drawn.
 // Shades: { name, intervals: [from, to, from, to, ...] } over time. Marks: { x, label } are vertical lines.
+// Bands: { name, from, to, low, high } are limits of the values over a part of the time; one of them may be null. Notes:
+// { x, label } are texts at a time. `range: [low, high]` fixes the vertical axis.
 // The arrays of a series may be replaced at any time: group.extend(to) and group.redraw() show them.
 "use strict";
 
@@ -17,6 +19,7 @@ const LashloopCharts = (() => {
   const TOP = 8;
   const BOTTOM = 36;
   const SHORTEST_S = 1e-3;
+  const PAPER_WIDTH = 380;
   let count = 0;
 
   function svg(name, attributes, parent) {
@@ -92,12 +95,13 @@ const LashloopCharts = (() => {
         });
       },
     };
-    addEventListener("beforeprint", () => charts.forEach((chart) => chart.draw()));
+    addEventListener("beforeprint", () => charts.forEach((chart) => chart.drawForPaper()));
+    addEventListener("afterprint", () => charts.forEach((chart) => chart.measure()));
     return self;
   }
 
   function chart(host, options) {
-    const { group, series, axes = null, shades = [], marks = [], unit = "" } = options;
+    const { group, series, axes = null, shades = [], marks = [], bands = [], notes = [], range = null, unit = "" } = options;
     const id = `chart-${++count}`;
     let [width, height, isDirty, isVisible] = [0, 0, true, true];
     let [xRange, yRange] = [[0, 1], [0, 1]];
@@ -115,8 +119,8 @@ const LashloopCharts = (() => {
     const clip = svg("rect", {}, svg("clipPath", { id: `${id}-clip` }, svg("defs", {}, plot)));
     const layer = (className, isClipped) =>
       svg("g", isClipped ? { class: className, "clip-path": `url(#${id}-clip)` } : { class: className }, plot);
-    const [shadeLayer, gridLayer, markLayer, curveLayer] = [
-      layer("shades", true), layer("grid", false), layer("marks", true), layer("curves", true),
+    const [shadeLayer, gridLayer, bandLayer, markLayer, curveLayer, noteLayer] = [
+      layer("shades", true), layer("grid", false), layer("bands", true), layer("marks", true), layer("curves", true), layer("notes", true),
     ];
     const [cursorLayer, selection] = [layer("cursor", true), svg("rect", { class: "selection" }, plot)];
     const cursorLine = axes ? null : svg("line", { class: "cursor-line", y1: TOP }, cursorLayer);
@@ -151,6 +155,7 @@ const LashloopCharts = (() => {
       html("span", "key-name", key, name);
     }
     for (const shade of shades) explain(shade.name, "rect", { class: "shade", width: 22, height: 8 });
+    for (const name of new Set(bands.map((it) => it.name))) explain(name, "path", { class: "bound", d: "M1 1H21M1 7H21" });
     if (marks.length) explain("injected fault", "path", { class: "mark", d: "M11 -3V11" });
 
     const plotWidth = () => Math.max(width - LEFT - RIGHT, 1);
@@ -178,6 +183,19 @@ const LashloopCharts = (() => {
       return S.padded(sum || [0, 1]);
     }
 
+    // The vertical range: as fixed, else that of the curves, and of limits that are near.
+    function heightRange() {
+      if (range) return range;
+      let [low, high] = rangeOf("y");
+      const near = (high - low) / 2;
+      for (const edge of bands.flatMap((it) => [it.low, it.high])) {
+        if (edge === null || edge < low - near || edge > high + near) continue;
+        const room = (high - low) * 0.04;
+        [low, high] = [Math.min(low, edge - room), Math.max(high, edge + room)];
+      }
+      return [low, high];
+    }
+
     function drawAxis(low, high, isX) {
       const most = isX ? Math.max(3, Math.floor(plotWidth() / 70)) : Math.max(2, Math.floor(plotHeight() / 36));
       const found = S.ticks(low, high, most);
@@ -198,7 +216,7 @@ const LashloopCharts = (() => {
       if (!width) return;
       isDirty = false;
       xRange = axes ? rangeOf("x") : group.view;
-      yRange = rangeOf("y");
+      yRange = axes ? rangeOf("y") : heightRange();
       const box = { x: LEFT, y: TOP, width: plotWidth(), height: plotHeight() };
       for (const [key, value] of Object.entries(box)) clip.setAttribute(key, value);
       gridLayer.replaceChildren();
@@ -215,6 +233,25 @@ const LashloopCharts = (() => {
       for (const { intervals } of shades) {
         svg("path", { class: "shade", d: shadePath(intervals) }, shadeLayer);
       }
+      bandLayer.replaceChildren();
+      for (const { from, to, low, high } of bands) {
+        const [x1, x2] = [toX(Math.max(from, group.view[0])), toX(Math.min(to, group.view[1]))];
+        if (x2 <= x1) continue;
+        const [top, bottom] = [high, low].map((edge) => (edge === null ? null : toY(edge)));
+        if (top !== null && bottom !== null) {
+          svg("rect", { class: "band", x: x1, width: x2 - x1, y: top, height: Math.max(bottom - top, 0) }, bandLayer);
+        }
+        for (const y of [top, bottom]) if (y !== null) svg("path", { class: "bound", d: `M${x1} ${y}H${x2}` }, bandLayer);
+      }
+      noteLayer.replaceChildren();
+      notes.forEach(({ x, label }, index) => {
+        if (x < group.view[0] || x > group.view[1]) return;
+        const at = toX(x);
+        svg("line", { class: "note-line", x1: at, x2: at, y1: TOP, y2: TOP + plotHeight() }, noteLayer);
+        const isLeft = at > LEFT + plotWidth() * 0.7;
+        const place = { class: "note-text", x: at + (isLeft ? -5 : 5), y: TOP + 13 + 15 * index, "text-anchor": isLeft ? "end" : "start" };
+        svg("text", place, noteLayer).textContent = label;
+      });
       markLayer.replaceChildren();
       for (const { x, label } of marks) {
         if (x < group.view[0] || x > group.view[1] || axes) continue;
@@ -331,17 +368,22 @@ const LashloopCharts = (() => {
     };
     group.charts.push(self);
     LashloopGestures.attach(self);
-    new ResizeObserver(() => {
-      const box = host.getBoundingClientRect();
-      // A page of paper scales the drawing.
-      if (matchMedia("print").matches || !box.width) return;
-      const isTall = options.isTall || axes;
-      const style = getComputedStyle(host);
-      width = Math.floor(box.width - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
-      height = Math.round(isTall ? Math.min(340, Math.max(260, width * 0.6)) : Math.min(250, Math.max(190, width * 0.42)));
+    const isTall = options.isTall || axes;
+    function resize(newWidth, newHeight) {
+      [width, height] = [newWidth, Math.round(newHeight)];
       plot.setAttribute("viewBox", `0 0 ${width} ${height}`);
       draw();
-    }).observe(host);
+    }
+    self.measure = () => {
+      const box = host.getBoundingClientRect();
+      if (matchMedia("print").matches || !box.width) return;
+      const style = getComputedStyle(host);
+      const inner = Math.floor(box.width - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight));
+      resize(inner, isTall ? Math.min(340, Math.max(260, inner * 0.6)) : Math.min(250, Math.max(190, inner * 0.42)));
+    };
+    // A page of paper scales the drawing to half its width, 88 mm: labels of 12 px get 7.9 pt.
+    self.drawForPaper = () => width && resize(PAPER_WIDTH, PAPER_WIDTH * (isTall ? 0.66 : 0.5));
+    new ResizeObserver(self.measure).observe(host);
     new IntersectionObserver(([entry]) => {
       isVisible = entry.isIntersecting;
       self.drawIfVisible();
