@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use lashloop_bench::run::Clock;
-use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::run::real_time::{RealTime, usable_cores};
 
 use super::error::CliError;
 
@@ -39,6 +39,12 @@ enum Choice {
 }
 
 impl ClockOptions {
+    /// The error of a core that doesn't exist, or that this process is kept from.
+    fn core_refusal(&self) -> Option<CliError> {
+        let (core, usable) = (self.core?, usable_cores());
+        (!usable.is_empty() && !usable.contains(&core)).then_some(CliError::Core { core, usable })
+    }
+
     pub(crate) fn clock(&self) -> Result<Clock, CliError> {
         let options = [
             ("--spin-us", self.spin_us.is_some()),
@@ -46,6 +52,9 @@ impl ClockOptions {
             ("--lock-memory", self.lock_memory),
             ("--core", self.core.is_some()),
         ];
+        if let (Choice::RealTime, Some(refusal)) = (self.clock, self.core_refusal()) {
+            return Err(refusal);
+        }
         match (self.clock, options.iter().find(|(_, given)| *given)) {
             (Choice::Lockstep, Some((option, _))) => Err(CliError::RealTimeAlone { option }),
             (Choice::Lockstep, None) => Ok(Clock::Lockstep),

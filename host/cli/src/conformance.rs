@@ -127,7 +127,11 @@ impl Arguments {
             complain(format_args!("next to no torque; simulated mechanics need --torque-per-duty-nm"));
         }
         if !self.json {
-            outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
+            let interrupted =
+                if supervisor.interrupted() { "; interrupted, the rest was not run" } else { "" };
+            outln!(
+                "{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped{interrupted}"
+            );
         }
         Ok(match (failed, not_judged) {
             _ if supervisor.interrupted() => Exit::Invalid,

@@ -16,6 +16,7 @@ use super::error::CliError;
 /// Decode the frames of a raw byte stream or of a .pcapng capture
 ///
 /// The stream may mix both directions. A bad frame is printed with its error, and the last line counts frames and errors.
+/// Exit code 2 if not one frame is good.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Raw bytes of a serial line, or a capture of `run --capture`; - is standard input
@@ -36,17 +37,28 @@ impl Arguments {
         };
         let mut head = Vec::new();
         source.by_ref().take(pcapng::MAGIC.len() as u64).read_to_end(&mut head).map_err(unreadable)?;
-        let mut printer = Printer { out: BufWriter::new(io::stdout().lock()), json: self.json };
+        let mut printer = Printer {
+            out: BufWriter::new(io::stdout().lock()),
+            json: self.json,
+            counted: Counters::default(),
+        };
         let printed = if head == pcapng::MAGIC {
             source.read_to_end(&mut head).map_err(unreadable)?;
             printer.capture(&head, &self.file)?
         } else {
             printer.stream(&head, &mut source, &self.file)?
         };
+        let counters = printer.counted;
         match printed {
             // A closed pipe (`| head`) is not an error.
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
                 Err(CliError::System { what: "print", source: error })
+            }
+            // Bytes, and not one message among them: another file.
+            _ if counters.messages + counters.unknown + counters.refused == 0
+                && counters.discarded_bytes > 0 =>
+            {
+                Err(CliError::NoMessage { path: self.file.clone() })
             }
             _ => Ok(Exit::Pass),
         }
@@ -56,6 +68,8 @@ impl Arguments {
 struct Printer<W: Write> {
     out: BufWriter<W>,
     json: bool,
+    /// All frames, at the end.
+    counted: Counters,
 }
 
 /// The inner error is that of the output.
@@ -118,6 +132,7 @@ impl<W: Write> Printer<W> {
     }
 
     fn counters(&mut self, counters: &Counters) -> io::Result<()> {
+        self.counted = *counters;
         let line = if self.json { json::counters(counters) } else { table::counters(counters) };
         writeln!(self.out, "{line}")?;
         self.out.flush()

@@ -40,6 +40,10 @@ use super::png::PngError;
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
+    #[error("{}: not one good frame; it holds no stream of this protocol, or its beginning is another tool's", path.display())]
+    NoMessage { path: PathBuf },
+    #[error("--core {core} can't be used: this process may run on {}", cores(usable))]
+    Core { core: usize, usable: Vec<usize> },
     #[error("{option} needs --clock real-time; lockstep has no deadlines")]
     RealTimeAlone { option: &'static str },
     #[error(transparent)]
@@ -150,6 +154,8 @@ impl CliError {
             Self::Commission(_) | Self::Electrical(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
+            | Self::NoMessage { .. }
+            | Self::Core { .. }
             | Self::NoStore
             | Self::Unconfirmed
             | Self::Scenario(_)
@@ -247,4 +253,10 @@ impl From<WriteError> for CliError {
     fn from(error: WriteError) -> Self {
         Self::Run(error.into())
     }
+}
+
+/// Cores as a text.
+fn cores(usable: &[usize]) -> String {
+    let numbers: Vec<_> = usable.iter().map(ToString::to_string).collect();
+    format!("core{} {}", if usable.len() == 1 { "" } else { "s" }, numbers.join(", "))
 }

@@ -4,7 +4,7 @@ use lashloop_bench::number::Shown;
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::timing::ClockName;
-use lashloop_bench::verdict::LinkCounts;
+use lashloop_bench::verdict::{LinkCounts, Verdict};
 use lashloop_record::summary::{Summary, Telemetry};
 use lashloop_session::CapturedRows;
 
@@ -14,6 +14,9 @@ use super::output::outln;
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, has_details: bool) {
     let verdict = colour::of_verdict(summary.verdict, &summary.verdict.to_string(), Stream::Output);
     outln!("{verdict}  {}", scenario.title);
+    if summary.verdict == Verdict::Pass && summary.expectations.is_empty() {
+        outln!("note   nothing was expected: no [[expect]] judges the drive");
+    }
     for finding in &summary.expectations {
         outln!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
     }

@@ -86,6 +86,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
 
+    /// Report a case with neither an expectation nor a baseline as an error: its PASS says nothing of the drive
+    #[arg(long, conflicts_with = "update")]
+    require_expectations: bool,
+
     /// Write the metrics of each case that passes to its baseline, instead of comparing them
     #[arg(long, conflicts_with = "set")]
     update: bool,
@@ -139,6 +143,7 @@ impl Arguments {
             overrides: &overrides,
             plants: &plants,
             compares: !self.update,
+            requires_expectations: self.require_expectations,
         };
         let cases = plan::cases(files, &common);
         let mut tally = Tally::new(&cases);

@@ -48,8 +48,13 @@ fn in_its_midst(more: &[&str]) -> (Running, u32) {
 fn an_interrupted_soak_ends_with_the_summary_so_far() {
     let (bench, drive) = in_its_midst(&[]);
     bench.signal(Signal::INT);
-    let ended = bench.wait().with_code(0);
+    let ended = bench.wait().with_code(3);
     assert!(ended.stdout.contains("1 runs, interrupted after "), "{}", ended.stdout);
+    assert!(
+        ended.stdout.ends_with("\nINVALID\n"),
+        "less than the asked time shows nothing: {}",
+        ended.stdout
+    );
     assert_eq!(runs_of_levels(&ended.stdout), [0; 6], "a run that was cut short is none of a level");
     assert!(!processes::runs(drive), "the drive was left behind");
 }

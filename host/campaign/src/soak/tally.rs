@@ -36,7 +36,8 @@ pub struct Tally {
     bench: Growth,
     drive: Growth,
     pub runs: u64,
-    interrupted: bool,
+    /// Whether it ended before its time.
+    pub interrupted: bool,
     healthy_digest: Option<String>,
 }
 
@@ -108,6 +109,18 @@ impl Tally {
     }
 }
 
+impl Tally {
+    /// A problem is one, whatever came later; less than the asked time without a problem shows nothing.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        match (self.problems.is_empty(), self.interrupted) {
+            (false, _) => Verdict::Fail,
+            (true, true) => Verdict::Invalid,
+            (true, false) => Verdict::Pass,
+        }
+    }
+}
+
 impl fmt::Display for Tally {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(out, "level  rate     runs  PASS  FAIL  INVALID      steps   hit  damaged  lost")?;
@@ -135,7 +148,6 @@ impl fmt::Display for Tally {
             writeln!(out, "WRONG  {problem}")?;
         }
         let how = if self.interrupted { "interrupted after" } else { "in" };
-        let verdict = if self.problems.is_empty() { "PASS" } else { "FAIL" };
-        write!(out, "{} runs, {how} {:.1} s\n{verdict}", self.runs, self.took.as_secs_f64())
+        write!(out, "{} runs, {how} {:.1} s\n{}", self.runs, self.took.as_secs_f64(), self.verdict())
     }
 }

@@ -49,6 +49,8 @@ pub struct Common<'a> {
     pub plants: &'a Plants,
     /// Compare metrics with baselines.
     pub compares: bool,
+    /// Report a case that has neither an expectation nor a baseline, and don't run it.
+    pub requires_expectations: bool,
 }
 
 impl Case {
@@ -104,7 +106,19 @@ fn cases_of(file: &Path, common: &Common<'_>) -> Vec<Case> {
     let swept = |row: &Vec<Setting>| {
         let settings: Vec<_> = row.iter().map(ToString::to_string).collect();
         let baseline = baseline.case(&settings).cloned();
-        let job = read.scenario(row).map_or_else(|errors| report(&errors), |scenario| job(scenario, common));
+        let job = read.scenario(row).map_or_else(
+            |errors| report(&errors),
+            |scenario| {
+                if common.requires_expectations && scenario.expectations.is_empty() && baseline.is_none() {
+                    let remedy = "give it an [[expect]], or a baseline by --update";
+                    return Job::Report(vec![format!(
+                        "{}: nothing is expected of it; {remedy}",
+                        scenario.name
+                    )]);
+                }
+                job(scenario, common)
+            },
+        );
         case(settings, baseline, job)
     };
     read.settings().iter().map(swept).collect()

@@ -15,7 +15,7 @@ pub fn line(result: &CaseResult, name_width: usize) -> String {
     let met = checks.iter().filter(|check| check.ok).count();
     let checks = match (status, checks.len()) {
         (Status::Skipped | Status::BadScenario | Status::DeviceOrLink, _) => String::new(),
-        (_, 0) => "no expectation".to_owned(),
+        (_, 0) => "none expected".to_owned(),
         (_, all) => format!("{met} of {all} met"),
     };
     format!("{:<7}  {case:<name_width$}  {checks:<14}  {wall_s:>8.2} s", status.word())
@@ -55,6 +55,7 @@ impl fmt::Display for Table<'_> {
         if missing > 0 {
             write!(counts, ", {missing} not run")?;
         }
-        write!(out, "{} cases: {}; {:.1} s", self.tally.cases.len(), &counts[2..], self.wall_s)
+        let (all, s) = (self.tally.cases.len(), if self.tally.cases.len() == 1 { "" } else { "s" });
+        write!(out, "{all} case{s}: {}; {:.1} s", &counts[2..], self.wall_s)
     }
 }

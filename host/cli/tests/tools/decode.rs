@@ -57,6 +57,18 @@ fn bad_frames_are_shown_with_their_reason_and_place() {
 }
 
 #[test]
+fn what_holds_no_good_frame_is_another_file() {
+    let noise: Vec<u8> = (0..2_000_u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let output = lashloop(&["decode", "-"], &noise);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("-: not one good frame"), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("0 messages; bad: "), "what is bad is shown all the same");
+    let mixed = [&noise[..], &[0], &example_frames()[0]].concat();
+    decode(&["-"], &mixed);
+    decode(&["-"], &[]);
+}
+
+#[test]
 fn a_capture_is_known_by_its_magic_from_a_file_and_from_a_pipe() {
     let mut capture = pcapng::file_header();
     let [sample, torque] = ["EncoderSample", "TorqueAnswer"].map(example_frame);

@@ -51,3 +51,49 @@ fn the_version_has_the_build() {
     let version = text(&output.stdout);
     assert!(version.starts_with(concat!("lashloop ", env!("CARGO_PKG_VERSION"), " (build ")), "{version}");
 }
+
+#[test]
+fn a_pass_of_a_run_of_which_nothing_was_expected_says_so() {
+    let printed = run(&[], None);
+    let note = "\nnote   nothing was expected: no [[expect]] judges the drive\n";
+    assert!(text(&printed.stdout).contains(note), "{}", text(&printed.stdout));
+    let expects = "expect=[{ metric = 'peak_torque_nm', unit = 'N m', max = 20.0 }]";
+    let printed = run(&["--set", expects], None);
+    assert!(!text(&printed.stdout).contains("nothing was expected"), "{}", text(&printed.stdout));
+}
+
+/// The exit code of a command, and its errors.
+fn refused(arguments: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(LASHLOOP).current_dir(root()).args(arguments).output().unwrap();
+    (output.status.code(), text(&output.stderr).to_owned())
+}
+
+#[test]
+fn a_core_that_the_process_may_not_run_on_is_an_error_before_the_run() {
+    let run =
+        ["run", "scenarios/faults.toml", "--device", "inproc", "--clock", "real-time", "--core", "1023"];
+    let (code, message) = refused(&run);
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("--core 1023 can't be used: this process may run on core"), "{message}");
+}
+
+#[test]
+fn a_suite_refuses_cases_of_which_nothing_is_expected_if_it_is_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let text = std::fs::read_to_string(root().join("scenarios/smooth-after.toml")).unwrap();
+    let (bare, _) = text.split_once("[[expect]]").unwrap();
+    std::fs::write(path("judged.toml"), &text).unwrap();
+    std::fs::write(path("bare.toml"), bare).unwrap();
+    let folder = folder.path().display().to_string();
+    let suite = |more: &[&str]| {
+        let arguments = [&["test", &*folder, "--device", "inproc"], more].concat();
+        let output = Command::new(LASHLOOP).args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    let (code, table) = suite(&[]);
+    assert!(code == Some(0) && table.contains("bare.toml    none expected"), "{table}");
+    let (code, table) = suite(&["--require-expectations"]);
+    assert!(code == Some(2) && table.contains("1 PASS, 0 FAIL, 0 INVALID, 1 ERROR"), "{table}");
+    assert!(table.contains("bare.toml: nothing is expected of it; give it an [[expect]]"), "{table}");
+}

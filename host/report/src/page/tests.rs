@@ -242,7 +242,7 @@ fn the_sentence_states_why_the_verdict_is_what_it_is() {
         values.map(|value| judged(Quantity::Metric(Metric::StaticError), value, None, 2.0)).into()
     };
     for (summary, sentence) in [
-        (pass(), "The scenario has no expectation, and every value of the run is finite."),
+        (pass(), "Nothing was expected: the scenario has no expectation. Every value of the run is finite."),
         (
             Summary { expectations: limits([1.0, 1.9]), ..pass() },
             "All 2 expectations are met, 1 of them marginally; the smallest margin is 5.0\u{202f}% of static_error_rad.",

@@ -101,7 +101,10 @@ fn passed(summary: &Summary) -> String {
     let checks: Vec<_> = summary.expectations.iter().map(Check::from).collect();
     let count = checks.len();
     let met = match count {
-        0 => return "The scenario has no expectation, and every value of the run is finite.".to_owned(),
+        0 => {
+            return "Nothing was expected: the scenario has no expectation. Every value of the run is finite."
+                .to_owned();
+        }
         1 => "The expectation is met".to_owned(),
         _ => format!("All {count} expectations are met"),
     };

@@ -18,6 +18,6 @@ mod privileges;
 pub(super) use loop_thread::{Ring, drain, run_with_drain};
 pub use paced_loop::PERIOD_MARGIN;
 pub(super) use paced_loop::close;
-pub use privileges::obtain;
+pub use privileges::{obtain, usable_cores};
 
 pub use super::clock::RealTime;

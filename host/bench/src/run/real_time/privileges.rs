@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 
 use rustix::mm::{MlockAllFlags, mlockall};
-use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
@@ -32,6 +32,13 @@ pub fn obtain(options: &RealTime) -> Vec<String> {
         note(format!("SCHED_FIFO priority {priority}"), set_fifo_priority(priority).err());
     }
     refused
+}
+
+/// The cores that this process may run on; none if the system doesn't say.
+#[must_use]
+pub fn usable_cores() -> Vec<usize> {
+    let cores = sched_getaffinity(None).unwrap_or_default();
+    (0..CpuSet::MAX_CPU).filter(|core| cores.is_set(*core)).collect()
 }
 
 fn pin_to(core: usize) -> Result<(), String> {
