@@ -74,7 +74,7 @@ impl fmt::Display for Noisy {
 }
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(crate) const REST_S: f64 = 0.05;
+pub(crate) const REST_S: f64 = 0.3;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -293,7 +293,8 @@ mod tests {
             load_travel_rad: 1.0,
         };
         let mut guard = Guard::new(limits, &instruments, 1e-3, None, None);
-        (0..50).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
+        let samples = (REST_S * 1e3) as usize;
+        (0..samples).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
     }
 
     #[test]
