@@ -73,6 +73,15 @@ impl Fit {
         self.residual_counts.iter().map(|it| it * it).sum()
     }
 
+    /// Whether the residuals are those of quantisation, noise and the errors of the torque, and nothing else.
+    pub(crate) fn is_exact(&self, noise_counts: f64) -> bool {
+        let noise = noise_counts / 3.0_f64.sqrt();
+        let mut pairs = self.residual_counts.into_iter().zip(self.explained_counts);
+        pairs.all(|(counts, explained)| {
+            counts < (EXACT * QUANTISATION).hypot(EXPLAINED * explained).hypot(EXACT * noise)
+        })
+    }
+
     pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {
         follows(self.residual_counts, self.explained_counts, noise_counts)
     }

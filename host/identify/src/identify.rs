@@ -129,8 +129,8 @@ fn polished(motions: &[Motion], begin: Begin, prior: &Prior, noise_counts: f64) 
     Some(best)
 }
 
-/// Fits all with the count of the cogging per turn that the balance of the torques shows, then all but the cogging. Where that
-/// is nearer, all with the counts that explain the most of what is left.
+/// Fits all with the count of the cogging per turn that the balance of the torques shows. Unless that leaves the quantisation
+/// alone, fits all but the cogging, then all with the counts that explain the most of what is left, and takes the nearest.
 fn fitted(
     motions: &[Motion],
     begin: &Begin,
@@ -152,14 +152,13 @@ fn fitted(
     let smooth = problem(is_smooth, Substeps::Coarse);
     let shown = begin.cogging.first().and_then(|it| all.fit(it.put_on(&begin.point), ITERATIONS));
     let finished_shown = shown.as_ref().and_then(|it| finished(of_all, &it.point, noise_counts));
-    let is_followed = finished_shown.as_ref().is_some_and(|it| it.is_followed(noise_counts));
-    let from = finished_shown.as_ref().filter(|_| is_followed).map_or(&begin.point, |it| &it.point);
+    let is_exact = finished_shown.as_ref().is_some_and(|it| it.is_exact(noise_counts));
+    let from = finished_shown.as_ref().filter(|_| is_exact).map_or(&begin.point, |it| &it.point);
     let without = Point { vector: from.vector.smooth(), ..from.clone() };
-    let iterations = if is_followed { ITERATIONS_OF_CANDIDATE } else { ITERATIONS };
+    let iterations = if is_exact { ITERATIONS_OF_CANDIDATE } else { ITERATIONS };
     let Some(coarse) = smooth.fit(without, iterations) else { return finished_shown };
-    let is_nearer = |it: &Fit| is_followed || it.squares() < coarse.squares();
     let mut tried: Vec<Fit> = Vec::new();
-    let candidates = if finished_shown.as_ref().is_some_and(is_nearer) {
+    let candidates = if is_exact {
         begin.cogging.iter().skip(1).take(1).copied().collect()
     } else {
         // A model that follows without cogging leaves little to it.
@@ -187,8 +186,11 @@ fn fitted(
     }
     let per_turn = |it: &Fit| it.point.vector.cogging_per_turn;
     let mut fit = match finished_shown {
-        Some(fit) if per_turn(&fit) == per_turn(nearest) => fit,
-        _ => finished(of_all, &nearest.point, noise_counts)?,
+        Some(shown) if is_exact => shown,
+        shown => {
+            let tried = finished(of_all, &nearest.point, noise_counts);
+            shown.into_iter().chain(tried).min_by(|a, b| a.squares().total_cmp(&b.squares()))?
+        }
     };
     fit.per_turn = tried.iter().filter(is_likely).map(per_turn).collect();
     Some(fit)
