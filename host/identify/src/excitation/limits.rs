@@ -74,7 +74,7 @@ impl fmt::Display for Noisy {
 }
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(crate) const REST_S: f64 = 0.3;
+pub(crate) const REST_S: f64 = 0.05;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
