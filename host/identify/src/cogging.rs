@@ -25,6 +25,24 @@ pub(crate) struct Candidate {
     pub(crate) gain: f64,
 }
 
+impl Candidate {
+    /// That of a point.
+    pub(crate) fn of(point: &Point) -> Self {
+        let parts_nm = Parameter::COGGING.map(|it| point.vector.get(it));
+        Self { per_turn: point.vector.cogging_per_turn, parts_nm, gain: 0.0 }
+    }
+
+    /// The point with this cogging.
+    pub(crate) fn put_on(&self, point: &Point) -> Point {
+        let mut next = point.clone();
+        next.vector.cogging_per_turn = self.per_turn;
+        for (parameter, part_nm) in Parameter::COGGING.into_iter().zip(self.parts_nm) {
+            next.vector.set(parameter, part_nm);
+        }
+        next
+    }
+}
+
 impl Problem<'_> {
     /// All counts per turn, that which explains the most first. The problem's fit has no cogging.
     pub(crate) fn cogging(&self, point: &Point) -> Option<Vec<Candidate>> {
@@ -35,7 +53,7 @@ impl Problem<'_> {
         let mut sums = vec![Sums::new(self.size()); PER_TURN_MAX as usize];
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
-            let columns = self.columns(motion, base, &point.vector, &own)?;
+            let columns = self.columns(motion, base, &point.vector, &own, 1.0)?;
             let mut tried = Vec::new();
             for per_turn in 1..=PER_TURN_MAX {
                 let part = |parameter: Parameter| {

@@ -16,6 +16,9 @@ const TRIES: usize = 8;
 /// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
 const CONVERGED: f64 = 1e-4;
 const SETTLED: f64 = 1e-2;
+/// Steps of the differences that follow where the usual ones gain no more and the residuals aren't those of the counts, in
+/// usual ones: where the motor is about to stick or to leave a dent, the least difference shows another motion.
+const OTHER_STEPS: [f64; 3] = [-1.0, 10.0, -10.0];
 /// Largest step of an element of the vector.
 const STEP_MAX: f64 = 0.7;
 
@@ -68,6 +71,15 @@ impl Fit {
     /// Sum of the squares of both residuals.
     pub(crate) fn squares(&self) -> f64 {
         self.residual_counts.iter().map(|it| it * it).sum()
+    }
+
+    /// Whether the residuals are those of quantisation, noise and the errors of the torque, and nothing else.
+    pub(crate) fn is_exact(&self, noise_counts: f64) -> bool {
+        let noise = noise_counts / 3.0_f64.sqrt();
+        let mut pairs = self.residual_counts.into_iter().zip(self.explained_counts);
+        pairs.all(|(counts, explained)| {
+            counts < (EXACT * QUANTISATION).hypot(EXPLAINED * explained).hypot(EXACT * noise)
+        })
     }
 
     pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {
@@ -149,10 +161,12 @@ impl Problem<'_> {
         let mut predictions = self.predict(&point)?;
         let mut damping = 1e-3;
         let mut last = None;
+        let mut others = OTHER_STEPS.into_iter();
+        let mut wider = 1.0;
         for _ in 0..iterations {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
-            let normal = self.normal(&point, &predictions, &noise)?;
+            let normal = self.normal_with(&point, &predictions, &noise, Errors::Counts, wider)?;
             let mut gained = 0.0;
             for _ in 0..TRIES {
                 let next = self.step(&point, &normal, damping).map(|step| self.moved(&point, &step));
@@ -169,10 +183,15 @@ impl Problem<'_> {
                 damping *= 10.0;
             }
             // The normal equations barely change over such a step, and they are most of the work.
-            last = (gained < SETTLED).then_some(normal);
-            if gained < CONVERGED {
-                break;
+            last = (gained < SETTLED && wider == 1.0).then_some(normal);
+            if gained >= CONVERGED {
+                continue;
             }
+            let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
+            let Some(other) = others.next().filter(|_| self.doubt(residual_counts, [0.0; 2]) > 1.0) else {
+                break;
+            };
+            (wider, damping) = (other, 1e-3);
         }
         let is_exact = self.motions.iter().all(|motion| motion.altered.is_empty());
         let normal = match last {
@@ -180,7 +199,7 @@ impl Problem<'_> {
             _ => {
                 let noise = self.noise(&point, &predictions);
                 let errors = if self.substeps == Substeps::Coarse { Errors::Counts } else { Errors::All };
-                self.normal_with(&point, &predictions, &noise, errors)?
+                self.normal_with(&point, &predictions, &noise, errors, 1.0)?
             }
         };
         let inverse = normal.matrix.try_inverse()?;

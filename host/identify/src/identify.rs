@@ -12,7 +12,7 @@ use crate::problem::{Point, Problem};
 use crate::replay::{Motion, Substeps};
 use crate::series::{Instruments, Series};
 use crate::signs::{Direction, directions};
-use crate::staged;
+use crate::staged::{self, Begin};
 
 const ITERATIONS: usize = 40;
 const RESTARTS: usize = 2;
@@ -86,13 +86,14 @@ pub fn identify(
     let fallback = Vector::of(&start.mechanics, &start.shaft);
     let peak_nm = series.iter().map(Series::peak_nm).fold(0.0, f64::max);
     let prior = Prior::new(instruments, peak_nm);
-    let [likely, other] = staged::starts(&motions, &fallback, &prior);
     let noise_counts = instruments.noise_counts;
-    let first = polished(&motions, likely, &prior, noise_counts);
-    let fit = match first {
-        Some(fit) if fit.is_followed(noise_counts) => Some(fit),
-        first => nearer(first, polished(&motions, other, &prior, noise_counts)),
-    };
+    let mut fit: Option<Fit> = None;
+    for begin in staged::starts(&motions, &fallback) {
+        fit = nearer(fit, polished(&motions, begin, &prior, noise_counts));
+        if fit.as_ref().is_some_and(|it| it.is_followed(noise_counts)) {
+            break;
+        }
+    }
     let fit = fit.ok_or(IdentifyError::NotFollowed)?;
     Ok(Identified::new(&fit, &prior, shown, instruments))
 }
@@ -105,18 +106,21 @@ fn nearer(first: Option<Fit>, second: Option<Fit>) -> Option<Fit> {
 
 /// Fits all parameters. A fit that ends away from the record is repeated from where it ended, with the quantities that it
 /// may have bent instead of those that it missed back at their start.
-fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) -> Option<Fit> {
-    let start = point.vector;
-    let mut best = fitted(motions, point, &start, prior, noise_counts)?;
+fn polished(motions: &[Motion], begin: Begin, prior: &Prior, noise_counts: f64) -> Option<Fit> {
+    let start = begin.point.vector;
+    let mut best = fitted(motions, &begin, &start, prior, noise_counts)?;
     for _ in 0..RESTARTS {
         if best.is_followed(noise_counts) {
             break;
         }
-        let mut kicked = best.point.clone();
+        let mut point = best.point.clone();
+        let cogging = vec![Candidate::of(&point)];
+        point.vector = point.vector.smooth();
         for parameter in BENT {
-            kicked.vector.set(parameter, start.get(parameter));
+            point.vector.set(parameter, start.get(parameter));
         }
-        let Some(other) = fitted(motions, kicked, &start, prior, noise_counts) else { break };
+        let kicked = Begin { point, cogging };
+        let Some(other) = fitted(motions, &kicked, &start, prior, noise_counts) else { break };
         if other.residual_counts[0] >= best.residual_counts[0] {
             break;
         }
@@ -125,10 +129,11 @@ fn polished(motions: &[Motion], point: Point, prior: &Prior, noise_counts: f64) 
     Some(best)
 }
 
-/// Fits all but the cogging, then all with the counts per turn that explain the most of what is left.
+/// Fits all with the count of the cogging per turn that the balance of the torques shows. Unless that leaves the quantisation
+/// alone, fits all but the cogging, then all with the counts that explain the most of what is left, and takes the nearest.
 fn fitted(
     motions: &[Motion],
-    mut point: Point,
+    begin: &Begin,
     start: &Vector,
     prior: &Prior,
     noise_counts: f64,
@@ -141,20 +146,30 @@ fn fitted(
         is_free,
         substeps,
     };
-    point.vector = point.vector.smooth();
-    let smooth = problem(prior.free(|it| !Parameter::COGGING.contains(&it)), Substeps::Coarse);
-    let coarse = smooth.fit(point, ITERATIONS)?;
-    let candidates = smooth.cogging(&coarse.point)?;
-    let all = prior.free(|_| true);
-    // A model that follows without cogging leaves little to it.
-    let number = if coarse.is_followed(noise_counts) { CANDIDATES_OF_FOLLOWED } else { CANDIDATES };
+    let of_all = |substeps| problem(prior.free(|_| true), substeps);
+    let all = of_all(Substeps::Coarse);
+    let is_smooth = prior.free(|it| !Parameter::COGGING.contains(&it));
+    let smooth = problem(is_smooth, Substeps::Coarse);
+    let shown = begin.cogging.first().and_then(|it| all.fit(it.put_on(&begin.point), ITERATIONS));
+    let finished_shown = shown.as_ref().and_then(|it| finished(of_all, &it.point, noise_counts));
+    let is_exact = finished_shown.as_ref().is_some_and(|it| it.is_exact(noise_counts));
+    let from = finished_shown.as_ref().filter(|_| is_exact).map_or(&begin.point, |it| &it.point);
+    let without = Point { vector: from.vector.smooth(), ..from.clone() };
+    let iterations = if is_exact { ITERATIONS_OF_CANDIDATE } else { ITERATIONS };
+    let Some(coarse) = smooth.fit(without, iterations) else { return finished_shown };
     let mut tried: Vec<Fit> = Vec::new();
-    for Candidate { per_turn, parts_nm, .. } in candidates.into_iter().take(number) {
-        let mut next = coarse.point.clone();
-        next.vector.cogging_per_turn = per_turn;
-        next.vector.set(Parameter::CoggingCosine, parts_nm[0]);
-        next.vector.set(Parameter::CoggingSine, parts_nm[1]);
-        tried.extend(problem(all, Substeps::Coarse).fit(next, ITERATIONS_OF_CANDIDATE));
+    let candidates = if is_exact {
+        begin.cogging.iter().skip(1).take(1).copied().collect()
+    } else {
+        // A model that follows without cogging leaves little to it.
+        let number = if coarse.is_followed(noise_counts) { CANDIDATES_OF_FOLLOWED } else { CANDIDATES };
+        let Some(mut found) = smooth.cogging(&coarse.point) else { return finished_shown };
+        found.truncate(number);
+        found
+    };
+    tried.extend(shown);
+    for candidate in candidates {
+        tried.extend(all.fit(candidate.put_on(&coarse.point), ITERATIONS_OF_CANDIDATE));
         // The others only show how sure the count is.
         if tried.len() >= CANDIDATES_OF_FOLLOWED && tried.iter().any(|it| it.is_followed(noise_counts)) {
             break;
@@ -165,13 +180,35 @@ fn fitted(
     let is_likely = |it: &&Fit| it.squares() < LIKELY * nearest.squares();
     if is_likely(&&coarse) {
         // The others don't pay for a cogging that isn't there, and its bound is that of the nearest.
-        let without = prior.free(|it| !Parameter::COGGING.contains(&it));
-        let mut fit = problem(without, Substeps::Fine).fit(coarse.point.clone(), ITERATIONS)?;
+        let mut fit = problem(is_smooth, Substeps::Fine).fit(coarse.point.clone(), ITERATIONS)?;
         fit.take_cogging(nearest);
         return Some(fit);
     }
-    let fine = problem(all, Substeps::Fine);
-    let mut fit = fine.fit(nearest.point.clone(), ITERATIONS)?;
+    let per_turn = |it: &Fit| it.point.vector.cogging_per_turn;
+    let mut fit = match finished_shown {
+        Some(shown) if is_exact => shown,
+        shown => {
+            let tried = finished(of_all, &nearest.point, noise_counts);
+            shown.into_iter().chain(tried).min_by(|a, b| a.squares().total_cmp(&b.squares()))?
+        }
+    };
+    fit.per_turn = tried.iter().filter(is_likely).map(per_turn).collect();
+    Some(fit)
+}
+
+/// The fit for the estimates, in smaller steps where the motor passes the teeth of the cogging too fast for the usual ones.
+fn finished<'a>(problem: impl Fn(Substeps) -> Problem<'a>, point: &Point, noise_counts: f64) -> Option<Fit> {
+    let fit = dented(&problem(Substeps::Fine), point)?;
+    if fit.is_followed(noise_counts) {
+        return Some(fit);
+    }
+    let finest = dented(&problem(Substeps::Finest), &fit.point);
+    Some(finest.filter(|it| it.squares() < fit.squares()).unwrap_or(fit))
+}
+
+/// The fit with motions that may begin in other dents of the cogging.
+fn dented(fine: &Problem, point: &Point) -> Option<Fit> {
+    let mut fit = fine.fit(point.clone(), ITERATIONS)?;
     for _ in 0..DENTS {
         let Some(other) = fine.other_dents(&fit.point).and_then(|it| fine.fit(it, ITERATIONS)) else { break };
         if other.squares() >= fit.squares() {
@@ -179,6 +216,5 @@ fn fitted(
         }
         fit = other;
     }
-    fit.per_turn = tried.iter().filter(is_likely).map(|it| it.point.vector.cogging_per_turn).collect();
     Some(fit)
 }

@@ -15,7 +15,8 @@
 //! | `cogging`, `dents` | counts of the cogging per turn; motions that begin in another of its dents |
 //! | `quantity`, `errors` | a quantity with its interval; those of the errors of torque and encoders |
 //! | `replay` | the torques of a motion on the plant model |
-//! | `contact`, `motor`, `balance`, `staged` | first estimates: line of contact, motor, momentum of the load, all in order |
+//! | `window`, `least_squares` | counts behind a smooth window; linear least squares |
+//! | `free_body`, `balance`, `breakaway`, `staged` | first estimates: torques of the motor, of the load, its breakaway, all in order |
 //! | `problem`, `noise`, `normal`, `fit` | nonlinear least squares: cost, worth of a residual, normal equations, steps |
 //! | `identified` | quantities with intervals |
 //! | `identify` | all of it in order |
@@ -31,16 +32,17 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod breakaway;
 mod cogging;
-mod contact;
 mod dents;
 pub mod electrical;
 mod errors;
 pub mod excitation;
 mod fit;
+mod free_body;
 mod identified;
 mod identify;
-mod motor;
+mod least_squares;
 mod noise;
 mod normal;
 mod parameters;
@@ -51,6 +53,7 @@ mod replay;
 mod series;
 mod signs;
 mod staged;
+mod window;
 
 pub use errors::{EncoderError, Source, TorqueDoubt};
 pub use identified::Identified;

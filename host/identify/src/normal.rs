@@ -33,16 +33,18 @@ pub(crate) struct Normal {
 
 impl Problem<'_> {
     pub(crate) fn normal(&self, point: &Point, predictions: &[Prediction], noise: &Noise) -> Option<Normal> {
-        self.normal_with(point, predictions, noise, Errors::Counts)
+        self.normal_with(point, predictions, noise, Errors::Counts, 1.0)
     }
 
     /// The predictions that differ by a step of one element each, with the step: those of the parameters, then the twist.
+    /// `wider` multiplies the usual steps.
     pub(crate) fn columns(
         &self,
         motion: &Motion,
         base: &Prediction,
         vector: &Vector,
         own: &OwnParameters,
+        wider: f64,
     ) -> Option<Vec<(f64, Prediction)>> {
         let mut columns = Vec::with_capacity(COUNT + 1);
         for parameter in Parameter::ALL {
@@ -50,7 +52,7 @@ impl Problem<'_> {
                 columns.push((1.0, base.clone()));
                 continue;
             }
-            let step = self.prior.step(parameter);
+            let step = wider * self.prior.step(parameter);
             let mut moved = *vector;
             moved.set(parameter, moved.get(parameter) + step);
             let is_of_encoder = Parameter::OF_ENCODERS.as_flattened().contains(&parameter);
@@ -61,19 +63,21 @@ impl Problem<'_> {
             };
             columns.push((step, prediction));
         }
-        let moved = OwnParameters { twist_rad: own.twist_rad + TWIST_STEP_RAD, ..*own };
+        let step = wider * TWIST_STEP_RAD;
+        let moved = OwnParameters { twist_rad: own.twist_rad + step, ..*own };
         let moved = motion.predict(vector, &moved, self.substeps)?;
-        columns.push((TWIST_STEP_RAD, moved));
+        columns.push((step, moved));
         Some(columns)
     }
 
-    /// As [`normal`](Self::normal), with these errors in the scatter.
+    /// As [`normal`](Self::normal), with these errors in the scatter, and differences of steps that are so much wider.
     pub(crate) fn normal_with(
         &self,
         point: &Point,
         predictions: &[Prediction],
         noise: &Noise,
         errors: Errors,
+        wider: f64,
     ) -> Option<Normal> {
         let size = self.size();
         let mut matrix = DMatrix::zeros(size, size);
@@ -85,7 +89,7 @@ impl Problem<'_> {
         let (mut squares, mut samples) = ([0.0; 2], [0.0_f64; 2]);
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
-            let columns = self.columns(motion, base, &point.vector, &own)?;
+            let columns = self.columns(motion, base, &point.vector, &own, wider)?;
             let mut moved_by = Vec::with_capacity(kinds);
             for Altered { held, scale } in &motion.altered[..kinds] {
                 let moved = motion.predict_under(held, &point.vector, &own, self.substeps)?;

@@ -6,13 +6,26 @@ use crate::parameters::{Parameter, Vector};
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
-/// Integration steps per control period.
+/// How a motion is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Substeps {
     /// On the way to an estimate. The cogging is that at the recorded angles.
-    Coarse = 2,
+    Coarse,
     /// For the estimate: the error stays far below a count.
-    Fine = 4,
+    Fine,
+    /// The same for a motor that passes many periods of the cogging within a control period.
+    Finest,
+}
+
+impl Substeps {
+    /// Integration steps per control period.
+    fn number(self) -> u32 {
+        match self {
+            Self::Coarse => 2,
+            Self::Fine => 4,
+            Self::Finest => 16,
+        }
+    }
 }
 
 /// Time in which samples of an encoder at rest still count. Later ones repeat what the first ones show.
@@ -45,8 +58,6 @@ pub(crate) struct Motion {
     pub(crate) noise_counts: f64,
     /// Standard deviation of an encoder's offset from its first reading, in counts.
     pub(crate) offset_deviation: f64,
-    /// Change of the motor's motion from one window to the next up to which the motor counts as steady.
-    pub(crate) steady_counts: f64,
 }
 
 /// Torques held one after the other within each period, in N m, with their duration in s.
@@ -86,10 +97,7 @@ impl Motion {
         let is_used = [0, 1].map(|at| used(&counts[at], rest.max(2)));
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let first_counts = [0, 1].map(|at| (readings[at][0] * directions[at].sign()) as f64);
-        let [low, high] =
-            counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
         Self {
-            steady_counts: (5e-3 * (high - low)).max(2.0),
             period_s: series.period_s(),
             held: held(series, instruments.torque_delay_us, |torque_nm| torque_nm),
             altered: altered(series, instruments),
@@ -111,6 +119,20 @@ impl Motion {
     /// Motor and load position since the first sample, in rad.
     pub(crate) fn position_rad(&self, encoder: usize, sample: usize) -> f64 {
         self.counts[encoder][sample] / self.counts_per_rad[encoder]
+    }
+
+    /// The torque that arrives at the motor, as the mean of the periods before and after each sample, in N m.
+    pub(crate) fn arriving_nm(&self) -> Vec<f64> {
+        let mean = |held: &Vec<(f64, f64)>| {
+            held.iter().map(|(torque_nm, held_s)| torque_nm * held_s).sum::<f64>() / self.period_s
+        };
+        let held: Vec<f64> = self.held.iter().map(mean).collect();
+        (0..held.len()).map(|at| 0.5 * (held[at.saturating_sub(1)] + held[at])).collect()
+    }
+
+    /// The motor's angle by its own encoder at a sample, from the encoder's zero.
+    pub(crate) fn shown_rad(&self, sample: usize) -> f64 {
+        (self.first_counts[0] + self.counts[0][sample]) / self.counts_per_rad[0]
     }
 
     /// The counts of the plant model under the recorded torques, released at rest with a twist against the middle of
@@ -149,14 +171,17 @@ impl Motion {
         substeps: Substeps,
     ) -> Option<[Vec<f64>; 2]> {
         let [cosine_nm, sine_nm] = Parameter::COGGING.map(|it| vector.get(it));
+        let (cogging_nm, phase_rad) = (cosine_nm.hypot(sine_nm), cosine_nm.atan2(sine_nm));
+        let has_cogging = cogging_nm != 0.0;
         let per_turn = f64::from(vector.cogging_per_turn);
-        let at_recorded = substeps == Substeps::Coarse && (cosine_nm != 0.0 || sine_nm != 0.0);
+        let at_recorded = substeps == Substeps::Coarse && has_cogging;
         let plant = if at_recorded { vector.smooth() } else { *vector };
         // Where the plant's own cogging, a sine of the motor's angle, has this phase.
-        let motor_rad = self.first_rad(vector, own, 0) + cosine_nm.atan2(sine_nm) / per_turn;
+        let motor_rad = self.first_rad(vector, own, 0) + phase_rad / per_turn;
         let load_rad = (motor_rad - own.twist_rad) / vector.value(Parameter::Ratio);
-        let parts = if at_recorded { PARTS } else { 1 };
-        let plant = plant.plant((substeps as u32).div_ceil(parts)).ok()?;
+        let steps = substeps.number();
+        let parts = if at_recorded { PARTS.max(steps) } else { 1 };
+        let plant = plant.plant(steps.div_ceil(parts)).ok()?;
         let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
         let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
         for (at, held) in held.iter().enumerate() {
@@ -171,8 +196,7 @@ impl Motion {
                     if at_recorded {
                         let middle = (elapsed_s + 0.5 * part_s) / self.period_s;
                         let angle_rad = per_turn * self.recorded_rad(vector, at, middle);
-                        let (sine, cosine) = angle_rad.sin_cos();
-                        total_nm += cosine_nm * cosine + sine_nm * sine;
+                        total_nm += cogging_nm * (angle_rad + phase_rad).sin();
                     }
                     plant.step(total_nm, part_s).ok()?;
                     elapsed_s += part_s;
@@ -221,12 +245,18 @@ fn error_rad(vector: &Vector, encoder: usize, angle_rad: f64) -> f64 {
     cosine_rad * cosine + sine_rad * sine
 }
 
-/// Counts by the parabola of least squares through five samples.
+/// Counts by the parabola of least squares through the samples around each.
 fn smoothed(counts: &[f64]) -> Vec<f64> {
-    const WEIGHTS: [f64; 5] = [-3.0, 12.0, 17.0, 12.0, -3.0];
+    /// On either side.
+    const AROUND: usize = 8;
+    let [number, square] = [2 * AROUND + 1, AROUND * (AROUND + 1)].map(|it| it as f64);
+    // Of Savitzky and Golay, for the middle of a window.
+    let scale = number * (4.0 * square - 3.0) / 3.0;
+    let weight = |place: usize| (3.0 * square - 1.0 - 5.0 * (place as f64 - AROUND as f64).powi(2)) / scale;
+    let weights: Vec<f64> = (0..=2 * AROUND).map(weight).collect();
     let mut smooth = counts.to_vec();
-    for (at, window) in counts.windows(WEIGHTS.len()).enumerate() {
-        smooth[at + 2] = window.iter().zip(WEIGHTS).map(|(count, weight)| count * weight).sum::<f64>() / 35.0;
+    for (at, window) in counts.windows(weights.len()).enumerate() {
+        smooth[at + AROUND] = window.iter().zip(&weights).map(|(count, weight)| count * weight).sum();
     }
     smooth
 }

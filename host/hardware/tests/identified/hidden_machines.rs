@@ -18,8 +18,9 @@ use crate::hidden_plant_keys::KEYS;
 use crate::hidden_plants::{Errors, HiddenPlant};
 
 const SCENARIO: &str = include_str!("../../../../scenarios/commission.toml");
-/// A machine takes 5 to 60 s of a core, so the whole test command has a few of them.
-const SEEDS: Range<u64> = 9005..9007;
+/// A machine takes 5 to 200 s of a core, so the whole test command has a few of the quick ones. Two of them have an offset under
+/// which the fit once ended in another minimum.
+const SEEDS: Range<u64> = 9005..9009;
 /// Variable of the environment with other seeds, `FIRST..END`.
 const VARIABLE: &str = "LASHLOOP_HIDDEN_PLANTS";
 const LIMITS: Limits =

@@ -293,7 +293,8 @@ mod tests {
             load_travel_rad: 1.0,
         };
         let mut guard = Guard::new(limits, &instruments, 1e-3, None, None);
-        (0..50).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
+        let samples = (REST_S * 1e3) as usize;
+        (0..samples).find_map(|at| guard.check(7, 100 + jumps[at % jumps.len()]))
     }
 
     #[test]

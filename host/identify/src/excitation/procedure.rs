@@ -10,6 +10,9 @@ use crate::signs::{Directions, contradict, directions};
 /// Load motion that shows breakaway, in counts, and in rad if that is more.
 const BREAKAWAY_COUNTS: f64 = 4.0;
 const BREAKAWAY_RAD: f64 = 0.004;
+/// Fraction of the torque limit up to which the motions of the fit go: an amplifier that saturates at the limit takes its offset
+/// away there, in one direction only, and the model knows nothing of that.
+const HEADROOM: f64 = 0.95;
 /// Fraction of the travel that the pulses aim for.
 const TRAVEL: f64 = 0.25;
 /// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
@@ -174,7 +177,9 @@ impl<T: DriveTrain> Bench<'_, T> {
         load_counts: Option<i64>,
     ) -> Result<Made, CommissioningError<T::Error>> {
         let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
-        let limit_nm = self.limits.torque_nm;
+        // A ramp ends with the motion of the load, and isn't part of the fit.
+        let is_ramp = load_counts.is_some();
+        let limit_nm = if is_ramp { self.limits.torque_nm } else { HEADROOM * self.limits.torque_nm };
         let torque_nm: Vec<f64> = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
         let twist_rad = self.explained_twist_rad(&torque_nm);
         let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad };
