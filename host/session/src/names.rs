@@ -29,8 +29,12 @@ impl UnknownName {
     ) -> Self {
         let known: Vec<_> = known.into_iter().collect();
         // A name without its prefix or unit is more than similar.
-        let is_part = |other: &str| !name.is_empty() && other.contains(name);
-        let similarity = |other: &&str| if is_part(other) { 1.0 } else { strsim::jaro_winkler(other, name) };
+        let small = name.to_lowercase();
+        let similarity = |other: &&str| {
+            let other = other.to_lowercase();
+            let is_part = !small.is_empty() && other.contains(&small);
+            if is_part { 1.0 } else { strsim::jaro_winkler(&other, &small) }
+        };
         let nearest = known.iter().map(|known| (similarity(known), *known));
         let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(it, _)| *it >= MIN_SIMILARITY);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
@@ -65,6 +69,7 @@ mod tests {
         );
         let column = UnknownName::new("the record", "signal", "speed", ["torque_nm", "drive.speed_rad_s"]);
         assert_eq!(column.nearest.as_deref(), Some("drive.speed_rad_s"));
+        assert!(error("PD").contains("did you mean pd?"), "case is no difference of meaning");
         assert_eq!(error("lqr"), "the drive has no law of this name; it has pd, merzouki");
         let nothing = UnknownName::new("the drive", "signal", "x", []).to_string();
         assert_eq!(nothing, "the drive has no signal of this name; it has none");

@@ -1,6 +1,7 @@
 //! The thread that starts children and receives signals.
 
 use std::io::{PipeReader, PipeWriter};
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -87,6 +88,8 @@ impl Supervisor {
 
     fn start_thread(bench: PathBuf, handles_signals: bool) -> io::Result<Self> {
         let signals = Arc::new(Signals::default());
+        // Without these the runtime would panic where it makes its own.
+        drop([UnixStream::pair()?, UnixStream::pair()?, UnixStream::pair()?]);
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let inside = runtime.enter();
         let kinds = [SignalKind::interrupt(), SignalKind::terminate()];

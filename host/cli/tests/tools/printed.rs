@@ -97,3 +97,15 @@ fn a_suite_refuses_cases_of_which_nothing_is_expected_if_it_is_asked_to() {
     assert!(code == Some(2) && table.contains("1 PASS, 0 FAIL, 0 INVALID, 1 ERROR"), "{table}");
     assert!(table.contains("bare.toml: nothing is expected of it; give it an [[expect]]"), "{table}");
 }
+
+#[test]
+fn too_few_descriptors_are_an_error_at_every_number() {
+    for most in 6..24 {
+        let line = format!("ulimit -n {most}; exec \"$0\" run scenarios/faults.toml --device inproc");
+        let command = ["-c", &line, LASHLOOP];
+        let output = Command::new("sh").current_dir(root()).args(command).output().unwrap();
+        // A panic has code 101.
+        let code = output.status.code();
+        assert!(matches!(code, Some(0..=4)), "{most} descriptors: {code:?}, {}", text(&output.stderr));
+    }
+}
