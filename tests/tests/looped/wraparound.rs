@@ -47,7 +47,11 @@ fn a_fault_beyond_the_wraparound_is_reported_with_its_step() {
     fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     let ended = run(scenario, &records, &["run.duration_s=70"], 1);
-    assert!(ended.stdout.contains("the drive latched LoadEncoderJump at sample 66000 "), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("the drive latched LoadEncoderJump at sample 66000: the load at "),
+        "{}",
+        ended.stdout
+    );
 }
 
 #[test]
