@@ -3,8 +3,11 @@
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::scenario::{RunMode, Scenario};
+use lashloop_bench::timing::ClockName;
 
 use super::error::CliError;
 
@@ -39,6 +42,16 @@ enum Choice {
 }
 
 impl ClockOptions {
+    /// Lockstep, unless the drive is on hardware and has a time of its own.
+    pub(crate) fn for_drive(&self, scenario: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
+        let clock = self.clock()?;
+        let name = ClockName::Lockstep;
+        let is_real = clock == Clock::Lockstep
+            && scenario.run.mode == RunMode::Bench
+            && !choice.for_run(scenario, name)?.keeps_bench_clock(name);
+        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
+    }
+
     pub(crate) fn clock(&self) -> Result<Clock, CliError> {
         let options = [
             ("--spin-us", self.spin_us.is_some()),

@@ -1,0 +1,147 @@
+//! `lashloop bode`: the frequency response of a loop and of its drive train.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use lashloop::Bench;
+use lashloop::bode::{Measurement, measure};
+use lashloop::execution::Place;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::verdict::Exit;
+use lashloop_response::{Excitation, Plan, table};
+
+use super::bode_table::{print, print_series};
+use super::clock_options::ClockOptions;
+use super::error::CliError;
+use super::options::{RigOption, plants, positive};
+use super::output::{error_line, write_file};
+use super::supervision::start_supervisor;
+
+/// Measure the frequency response of a loop and of its drive train
+///
+/// In HIL mode a torque on top of that of the drive excites the loop around the scenario's start; the response shows sensitivity,
+/// open loop and plant. In bench mode the reference is excited; the response shows plant and closed loop, and the law open-loop makes
+/// a torque of the reference. Each line has a coherence and an interval from realisations with other phases. Two masses on a shaft,
+/// fitted to the plant, give resonance, antiresonance, stiffness and inertia ratio.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Scenario whose plant, encoders, law and start are taken
+    scenario: PathBuf,
+
+    /// Value instead of the scenario's, such as plant.dead_zone_rad=0.01; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Drive, see `lashloop run --help`
+    #[arg(long, default_value = "inproc", value_name = "DEVICE", conflicts_with = "rig")]
+    device: DeviceChoice,
+
+    #[command(flatten)]
+    rig: RigOption,
+
+    /// Mode instead of the scenario's, see `lashloop run --help` [default with --rig: bench]
+    #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
+    mode: Option<String>,
+
+    /// Largest excitation: N m in HIL mode, rad of the reference in bench mode; several, separated by commas, make a series
+    #[arg(long, value_name = "AMPLITUDE", value_delimiter = ',', default_value = "0.5", value_parser = positive)]
+    amplitudes: Vec<f64>,
+
+    /// All tones at once with random phases, or one after the other
+    #[arg(long, value_enum, default_value_t = Choice::Multisine, value_name = "EXCITATION")]
+    excitation: Choice,
+
+    /// Frequency of the lowest tone, in Hz
+    #[arg(long, value_name = "HZ", default_value_t = 0.1, value_parser = positive)]
+    lowest_hz: f64,
+
+    /// Frequency that no tone exceeds, in Hz [default: a fifth of the sampling frequency]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    highest_hz: Option<f64>,
+
+    /// Tones at most, at about equal ratios
+    #[arg(long, value_name = "COUNT", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    lines: u32,
+
+    /// Sets of phases, whose scatter gives coherence and intervals
+    #[arg(long, value_name = "COUNT", default_value_t = 8, value_parser = clap::value_parser!(u32).range(3..=1000))]
+    realisations: u32,
+
+    /// Windows that count in each realisation; a window of the multisine is 1 / lowest frequency
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    windows: u32,
+
+    /// Seed of the phases
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+
+    #[command(flatten)]
+    clock: ClockOptions,
+
+    /// Write the lines of all responses and amplitudes to this file
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Choice {
+    Multisine,
+    Sine,
+}
+
+/// Highest tone by default, as a share of the sampling frequency.
+const HIGHEST: f64 = 0.2;
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let rig = self.rig.take(bench, "bode")?;
+        let mode = self.mode.clone().or_else(|| rig.as_ref().map(|_| "bench".to_owned()));
+        let set = self.set.iter().cloned().map(Override::Set);
+        let overrides: Vec<_> = mode.map(Override::Mode).into_iter().chain(set).collect();
+        let scenario = Scenario::from_file_with(&self.scenario, &overrides, &plants(bench))?;
+        let place = Place::of(rig.as_ref(), &self.device);
+        let clock = self.clock.for_drive(&scenario, place.choice())?;
+        let supervisor = start_supervisor()?;
+        let _signals = supervisor.guard_signals();
+        let mut measurements: Vec<Measurement> = Vec::new();
+        for &amplitude in &self.amplitudes {
+            let plan = self.plan(&scenario, amplitude);
+            let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan)? else {
+                error_line(format_args!("interrupted by the user before the measurement was complete"));
+                return Ok(Exit::Invalid);
+            };
+            print(&measurement);
+            measurements.push(measurement);
+        }
+        if measurements.len() > 1 {
+            print_series(&scenario, self.excitation(), &measurements);
+        }
+        if let (Some(path), Some(first)) = (&self.csv, measurements.first()) {
+            let rows = measurements.iter().map(|it| (it.amplitude, &it.measured));
+            write_file(path, &table::csv(first.excited, rows))?;
+        }
+        Ok(Exit::Pass)
+    }
+
+    fn excitation(&self) -> Excitation {
+        match self.excitation {
+            Choice::Multisine => Excitation::Multisine,
+            Choice::Sine => Excitation::Sine,
+        }
+    }
+
+    fn plan(&self, scenario: &Scenario, amplitude: f64) -> Plan {
+        Plan {
+            control_period_us: scenario.run.control_period_us,
+            excitation: self.excitation(),
+            amplitude,
+            lowest_hz: self.lowest_hz,
+            highest_hz: self.highest_hz.unwrap_or(HIGHEST / scenario.run.control_period_s()),
+            lines: self.lines,
+            realisations: self.realisations,
+            windows: self.windows,
+            seed: self.seed,
+        }
+    }
+}
