@@ -11,7 +11,7 @@ use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::run::{Clock, End, Step, StepObserver};
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_plant::reference::{Interpolation, Reference, Table, TableError};
+use lashloop_plant::reference::{Interpolation, Reference, Table, TableError, Trapezoid};
 use lashloop_protocol::EncoderCounts;
 use lashloop_response::response::{Excited, Signals};
 use lashloop_response::{Fit, FitError, Margins, Measured, Plan, PlanError, ResponseError};
@@ -82,12 +82,13 @@ pub struct Measurement {
     pub duration_s: f64,
 }
 
-/// The scenario that measures by this excitation, around the position at which the scenario begins.
-///
-/// # Errors
-/// The plan is wrong.
-pub fn scenario_of(scenario: &Scenario, plan: &Plan) -> Result<(Scenario, Vec<f32>), BodeError> {
-    let values = plan.make()?.values;
+/// The scenario that measures by this excitation, around the position at which the scenario begins, or in motion from there on.
+fn exciting(
+    scenario: &Scenario,
+    plan: &Plan,
+    values: &[f32],
+    speed_rad_s: f64,
+) -> Result<Scenario, BodeError> {
     let mut exciting = scenario.clone();
     let begin_rad = scenario.plant.initial.load_position_rad;
     exciting.run.duration_s = values.len() as f64 * plan.period_s();
@@ -97,8 +98,19 @@ pub fn scenario_of(scenario: &Scenario, plan: &Plan) -> Result<(Scenario, Vec<f3
     exciting.telemetry.signals = None;
     exciting.reference = match exciting.run.mode {
         RunMode::Hil => {
-            exciting.excitation_nm = Arc::from(&values[..]);
-            Reference::Constant { position_rad: begin_rad }
+            exciting.excitation_nm = Arc::from(values);
+            if speed_rad_s == 0.0 {
+                Reference::Constant { position_rad: begin_rad }
+            } else {
+                Reference::Trapezoid(Trapezoid {
+                    from_rad: begin_rad,
+                    // It never arrives.
+                    to_rad: begin_rad + 2.0 * speed_rad_s * (exciting.run.duration_s + 1.0),
+                    start_s: 0.0,
+                    velocity_rad_s: speed_rad_s.abs(),
+                    acceleration_rad_s2: speed_rad_s.abs(),
+                })
+            }
         }
         RunMode::Bench => {
             let mut text = "time_s,position_rad\n".to_owned();
@@ -108,10 +120,11 @@ pub fn scenario_of(scenario: &Scenario, plan: &Plan) -> Result<(Scenario, Vec<f3
             Reference::Table(Table::from_text(Path::new("excitation"), &text, Interpolation::Hold)?)
         }
     };
-    Ok((exciting, values))
+    Ok(exciting)
 }
 
-/// Measures the responses of a scenario. `None` if a signal of the user ends the run.
+/// Measures the responses of a scenario. In HIL mode the load moves at `speed_rad_s` meanwhile; dry friction is then a constant, and
+/// as long as the excitation is smaller, it keeps a gap closed. `None` if a signal of the user ends the run.
 ///
 /// # Errors
 /// The plan is wrong, the run failed or ended early, the torque was at its limit, or nothing is coherent.
@@ -121,9 +134,10 @@ pub fn measure(
     clock: Clock,
     supervisor: &Supervisor,
     plan: &Plan,
+    speed_rad_s: f64,
 ) -> Result<Option<Measurement>, BodeError> {
     let planned = plan.make()?;
-    let (mut exciting, _) = scenario_of(scenario, plan)?;
+    let mut exciting = exciting(scenario, plan, &planned.values, speed_rad_s)?;
     let excited = if exciting.run.mode.is_hil() { Excited::Torque } else { Excited::Reference };
     let mut collected = Collected::new(&exciting);
     let mut drive = OpenDrive::open(&exciting, place, clock, supervisor)?;
@@ -143,7 +157,13 @@ pub fn measure(
         Excited::Reference => collected.reference_rad.clone(),
     };
     let [motor_rad, load_rad] = &collected.positions_rad;
-    let signals = Signals { excitation: &excitation, torque_nm: &collected.torque_nm, motor_rad, load_rad };
+    let signals = Signals {
+        excitation: &excitation,
+        torque_nm: &collected.torque_nm,
+        motor_rad,
+        load_rad,
+        count_rad: collected.counts_per_rad.map(f64::recip),
+    };
     let measured = Measured::of(&planned, excited, signals)?;
     let delay_s = f64::from(scenario.plant.torque_delay_us()) / 1e6;
     let fit = Fit::of(&measured, plan.period_s(), delay_s);

@@ -48,6 +48,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "AMPLITUDE", value_delimiter = ',', default_value = "0.5", value_parser = positive)]
     amplitudes: Vec<f64>,
 
+    /// HIL mode: speed of the load during the measurement, in rad/s; in motion dry friction is a constant and closes the gap
+    #[arg(long, value_name = "RAD_S", default_value_t = 0.0, allow_negative_numbers = true)]
+    speed: f64,
+
     /// All tones at once with random phases, or one after the other
     #[arg(long, value_enum, default_value_t = Choice::Multisine, value_name = "EXCITATION")]
     excitation: Choice,
@@ -71,6 +75,10 @@ pub(crate) struct Arguments {
     /// Windows that count in each realisation; a window of the multisine is 1 / lowest frequency
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     windows: u32,
+
+    /// Time for which the loop settles under each set of phases, in s; twice that at the start
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    settles_s: f64,
 
     /// Seed of the phases
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -107,7 +115,7 @@ impl Arguments {
         let mut measurements: Vec<Measurement> = Vec::new();
         for &amplitude in &self.amplitudes {
             let plan = self.plan(&scenario, amplitude);
-            let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan)? else {
+            let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan, self.speed)? else {
                 error_line(format_args!("interrupted by the user before the measurement was complete"));
                 return Ok(Exit::Invalid);
             };
@@ -141,6 +149,7 @@ impl Arguments {
             lines: self.lines,
             realisations: self.realisations,
             windows: self.windows,
+            settles_s: self.settles_s,
             seed: self.seed,
         }
     }

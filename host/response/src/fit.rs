@@ -18,8 +18,9 @@ const COUNT: usize = 9;
 /// Lines that a fit needs: as many complex numbers as it has parameters, from either encoder.
 const LEAST_LINES: usize = COUNT;
 const ITERATIONS: usize = 60;
-/// Least relative deviation of a line: the model with its images is not more exact than that.
-const LEAST_DEVIATION: f64 = 3e-4;
+/// Least relative deviation of a line, from the first search to the last: far from the solution exact lines would make a landscape
+/// of narrow valleys. The model with its images is not more exact than the last one.
+const LEAST_DEVIATIONS: [f64; 3] = [0.3, 0.02, 3e-4];
 /// Deviation of the prior around the start, in the logarithm: a factor of 50. It holds parameters that no line shows.
 const PRIOR: f64 = 4.0;
 /// Starts of the grid that are fitted to the end.
@@ -106,6 +107,8 @@ struct Datum {
 struct Problem {
     data: Vec<Datum>,
     period_s: f64,
+    /// Least relative deviation.
+    least: f64,
 }
 
 /// Logarithms of the parameters, in the order of [`to_train`].
@@ -133,16 +136,19 @@ impl Fit {
     /// # Errors
     /// Too few lines are coherent, or nothing fits.
     pub fn of(measured: &Measured, period_s: f64, delay_s: f64) -> Result<Self, FitError> {
-        let problem = Problem::new(measured, period_s)?;
-        let mut starts = problem.starts(delay_s.max(LEAST_TIME_S));
-        starts.truncate(STARTS);
-        let solutions = starts.into_iter().filter_map(|start| problem.solve(start));
-        let best = solutions.min_by(|one, other| one.cost.total_cmp(&other.cost)).ok_or(FitError::NoFit)?;
-        problem.fit(&best).ok_or(FitError::NoFit)
+        let mut problem = Problem::new(measured, period_s)?;
+        let mut from = problem.starts(delay_s.max(LEAST_TIME_S));
+        from.truncate(STARTS);
+        for least in LEAST_DEVIATIONS {
+            problem.least = least;
+            from = from.into_iter().filter_map(|start| problem.solve(start)).collect();
+        }
+        let best = from.into_iter().min_by(|one, other| one.cost.total_cmp(&other.cost));
+        best.and_then(|best| problem.fit(&best)).ok_or(FitError::NoFit)
     }
 }
 
-/// Where a search ended.
+/// Where a search ended. The prior stays around where the first one began.
 struct Solution {
     start: Logs,
     logs: Logs,
@@ -157,7 +163,6 @@ impl Problem {
             for (line, deviation) in lines.iter().zip(deviations) {
                 let is_coherent = line.coherence >= LEAST_COHERENCE && line.value.norm() > 0.0;
                 if is_coherent {
-                    let deviation = deviation.hypot(LEAST_DEVIATION * line.value.norm());
                     data.push(Datum {
                         frequency_hz: line.frequency_hz,
                         encoder,
@@ -171,7 +176,7 @@ impl Problem {
         if have < LEAST_LINES {
             return Err(FitError::TooFewLines { have });
         }
-        Ok(Self { data, period_s })
+        Ok(Self { data, period_s, least: LEAST_DEVIATIONS[0] })
     }
 
     fn lines(&self) -> usize {
@@ -188,7 +193,8 @@ impl Problem {
                 _ => train.sampled(datum.frequency_hz, self.period_s),
             };
             known = Some((datum.frequency_hz, model));
-            let error = (datum.value - model[datum.encoder]) / datum.deviation;
+            let deviation = datum.deviation.hypot(self.least * datum.value.norm());
+            let error = (datum.value - model[datum.encoder]) / deviation;
             left.extend([error.re, error.im]);
         }
         left
@@ -201,7 +207,7 @@ impl Problem {
 
     /// Starts of the search, the best first: resonances and inertia ratios on a grid, the inertia of the motor by the motor's
     /// response far above the resonance, or by the whole of it below.
-    fn starts(&self, delay_s: f64) -> Vec<Logs> {
+    fn starts(&self, delay_s: f64) -> Vec<Solution> {
         let motor: Vec<&Datum> = self.data.iter().filter(|it| it.encoder == 0).collect();
         let ratio = self.reduction_ratio();
         let [lowest_hz, highest_hz] = [motor[0], motor[motor.len() - 1]].map(|it| it.frequency_hz);
@@ -248,7 +254,7 @@ impl Problem {
             }
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0));
-        found.into_iter().map(|(_, start)| start).collect()
+        found.into_iter().map(|(cost, start)| Solution { start, logs: start, cost }).collect()
     }
 
     /// The ratio of both positions at the lowest lines, where the shaft is stiff.
@@ -277,8 +283,9 @@ impl Problem {
         slopes
     }
 
-    fn solve(&self, start: Logs) -> Option<Solution> {
-        let (mut logs, mut damping) = (start, 1e-2);
+    fn solve(&self, from: Solution) -> Option<Solution> {
+        let Solution { start, mut logs, .. } = from;
+        let mut damping = 1e-2;
         let mut cost = self.cost(&logs, &start);
         for _ in 0..ITERATIONS {
             let residuals = self.residuals(&to_train(&logs));
@@ -319,7 +326,7 @@ impl Problem {
     }
 
     fn fit(&self, solution: &Solution) -> Option<Fit> {
-        let Solution { logs, start, .. } = solution;
+        let logs = &solution.logs;
         let train = to_train(logs);
         let residuals = self.residuals(&train);
         let slopes = self.slopes(logs, &residuals);
@@ -327,7 +334,6 @@ impl Problem {
         for at in 0..COUNT {
             normal[(at, at)] += 1.0 / PRIOR.powi(2);
         }
-        debug_assert_eq!(start.len(), COUNT);
         let freedom = (residuals.len() as f64 - COUNT as f64).max(1.0);
         let misfit = (residuals.iter().map(|it| it * it).sum::<f64>() / freedom).sqrt();
         let covariance = normal.try_inverse()? * misfit.max(1.0).powi(2);

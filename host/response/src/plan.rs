@@ -33,14 +33,15 @@ pub struct Plan {
     pub realisations: u32,
     /// Windows per segment that count.
     pub windows: u32,
+    /// Time in s for which a segment settles at least, in whole windows; the first one settles for twice as long.
+    pub settles_s: f64,
     /// Seed of all phases.
     pub seed: u64,
 }
 
-/// Shortest window of a stepped sine, in s and in cycles, and the time that it settles at least, in s.
+/// Shortest window of a stepped sine, in s and in cycles.
 const SINE_WINDOW_S: f64 = 0.5;
 const SINE_CYCLES: f64 = 3.0;
-const SINE_SETTLES_S: f64 = 2.0;
 /// Fewest realisations: with two the scatter is known to a factor of ten only.
 const LEAST_REALISATIONS: u32 = 3;
 /// Most steps of a measurement, which are held in memory.
@@ -85,7 +86,7 @@ pub enum PlanError {
         realisations: u32,
     },
     /// The measurement has no line, or no window.
-    #[error("a measurement needs at least one line and one window")]
+    #[error("a measurement needs at least one line, one window and a time to settle that is not negative")]
     Nothing,
     /// The measurement would not end.
     #[error(
@@ -112,9 +113,23 @@ pub struct Segment {
     pub tones: Vec<(usize, usize)>,
 }
 
+impl Segment {
+    /// Samples of a window that lie at different places of the cycle of a tone.
+    #[must_use]
+    pub fn places(&self, cycles: usize) -> usize {
+        let (mut of, mut rest) = (self.window, cycles);
+        while rest > 0 {
+            (of, rest) = (rest, of % rest);
+        }
+        self.window / of.max(1)
+    }
+}
+
 /// The excitation of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Planned {
+    /// Tones at once, or one after the other.
+    pub excitation: Excitation,
     /// The excitation in each step, in the unit of the amplitude. It is the `f32` that acts.
     pub values: Vec<f32>,
     /// Frequencies of the lines in Hz, from low to high.
@@ -149,13 +164,12 @@ impl Plan {
         if realisations < LEAST_REALISATIONS {
             return Err(PlanError::Realisations { realisations });
         }
-        if self.lines == 0 || self.windows == 0 {
+        if self.lines == 0 || self.windows == 0 || !(self.settles_s >= 0.0) {
             return Err(PlanError::Nothing);
         }
         let parts = self.parts();
-        let seconds = parts.iter().map(|part| part.steps(self.windows) as f64).sum::<f64>()
-            * f64::from(realisations)
-            * self.period_s();
+        let steps = parts.iter().map(|part| part.steps(self.windows) as f64).sum::<f64>();
+        let seconds = steps * f64::from(realisations) * self.period_s();
         if seconds / self.period_s() > MOST_STEPS {
             return Err(PlanError::TooLong { seconds });
         }
@@ -170,7 +184,7 @@ impl Plan {
                 let window = (at_hz / self.lowest_hz).round().max(2.0);
                 let highest = (self.highest_hz * window / at_hz).min(window / 2.0 - 1.0);
                 let harmonics = Tones::odd_harmonics(1.0, highest, self.lines);
-                vec![Part { window: window as usize, settles: window as usize, harmonics }]
+                vec![self.part(window as usize, harmonics)]
             }
             Excitation::Sine => {
                 let growth = (self.highest_hz / self.lowest_hz).ln() / f64::from(self.lines.max(2) - 1);
@@ -179,16 +193,25 @@ impl Plan {
                     let cycles = (SINE_WINDOW_S * wanted_hz).ceil().max(SINE_CYCLES);
                     // At least two steps per cycle, whatever rounding does.
                     let window = (cycles * at_hz / wanted_hz).round().max(2.0 * cycles + 1.0) as usize;
-                    let settles = (SINE_SETTLES_S * at_hz / window as f64).ceil() as usize * window;
-                    Part { window, settles, harmonics: vec![cycles as u32] }
+                    self.part(window, vec![cycles as u32])
                 };
                 (0..self.lines).map(part).collect()
             }
         }
     }
 
+    fn part(&self, window: usize, harmonics: Vec<u32>) -> Part {
+        let windows = (self.settles_s / self.period_s() / window as f64).ceil().max(1.0);
+        Part { window, settles: windows as usize * window, harmonics }
+    }
+
     fn excite(&self, parts: &[Part]) -> Planned {
-        let mut planned = Planned { values: Vec::new(), frequencies_hz: Vec::new(), segments: Vec::new() };
+        let mut planned = Planned {
+            excitation: self.excitation,
+            values: Vec::new(),
+            frequencies_hz: Vec::new(),
+            segments: Vec::new(),
+        };
         for part in parts {
             let of = |it: &u32| f64::from(*it) / (part.window as f64 * self.period_s());
             planned.frequencies_hz.extend(part.harmonics.iter().map(of));
@@ -205,11 +228,12 @@ impl Plan {
                     Excitation::Sine => realisation as f64 / f64::from(self.realisations),
                 };
                 let begin = planned.values.len();
+                let more = if begin == 0 { part.settles } else { 0 };
                 let value = |step: usize| (self.amplitude * tones.at(step as f64 + shift)) as f32;
-                planned.values.extend((0..part.steps(self.windows)).map(value));
+                planned.values.extend((0..more + part.steps(self.windows)).map(value));
                 planned.segments.push(Segment {
                     realisation,
-                    first: begin + part.settles,
+                    first: begin + more + part.settles,
                     window: part.window,
                     windows: self.windows as usize,
                     tones: part

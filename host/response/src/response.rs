@@ -5,7 +5,7 @@
 
 use rustfft::num_complex::Complex;
 
-use crate::plan::{Planned, Segment};
+use crate::plan::{Excitation, Planned, Segment};
 use crate::spectrum::Spectrum;
 use crate::student;
 
@@ -35,6 +35,13 @@ impl Line {
     #[must_use]
     pub fn phase_deg(&self) -> f64 {
         self.value.arg().to_degrees()
+    }
+
+    /// Adds a deviation that the realisations have in common.
+    fn doubt(&mut self, deviation: f64) {
+        self.deviation = self.deviation.hypot(deviation);
+        let power = self.value.norm_sqr();
+        self.coherence = self.coherence.min(power / (power + 2.0 * deviation.powi(2)));
     }
 
     /// Half of the 95 % interval of the magnitude, in dB.
@@ -77,6 +84,8 @@ pub struct Signals<'a> {
     pub motor_rad: &'a [f64],
     /// Position of the load, in rad.
     pub load_rad: &'a [f64],
+    /// A count of the encoders of motor and load, in rad.
+    pub count_rad: [f64; 2],
 }
 
 impl Signals<'_> {
@@ -155,7 +164,7 @@ impl Measured {
     /// # Errors
     /// The signals are shorter than the measurement, or follow nothing of it.
     pub fn of(planned: &Planned, excited: Excited, signals: Signals<'_>) -> Result<Self, ResponseError> {
-        let Signals { excitation, torque_nm, motor_rad, load_rad } = signals;
+        let Signals { excitation, torque_nm, motor_rad, load_rad, .. } = signals;
         let have =
             [excitation, torque_nm, motor_rad, load_rad].map(<[f64]>::len).into_iter().min().unwrap_or(0);
         let want = planned.values.len();
@@ -175,7 +184,7 @@ impl Measured {
             let each = line.torque.iter().zip(&line.excitation).map(|(u, d)| (u * d).norm());
             each.sum::<f64>() / line.torque.len() as f64
         };
-        let measured = Self {
+        let mut measured = Self {
             motor: each(&|line| Ratio::of(&line.motor, &line.torque)),
             load: each(&|line| Ratio::of(&line.load, &line.torque)),
             sensitivity: only(is_torque, &|line| Ratio::of(&line.torque, &ones(line))),
@@ -187,12 +196,51 @@ impl Measured {
             closed_loop: only(!is_torque, &|line| Ratio::of(&line.load, &ones(line))),
             torque_nm: lines.iter().map(amplitude).collect(),
         };
+        if planned.excitation == Excitation::Sine {
+            measured.count_quantisation(planned, signals.count_rad);
+        }
         let largest = measured.motor.iter().map(|it| it.coherence).fold(0.0, f64::max);
         if largest < LEAST_COHERENCE {
             return Err(ResponseError::NotCoherent { largest, least: LEAST_COHERENCE });
         }
         Ok(measured)
     }
+
+    /// Adds what the counting of a sine leaves, which is alike in all realisations, so that none of them shows it. Other tones at
+    /// the same time, as in a multisine, make noise of it.
+    fn count_quantisation(&mut self, planned: &Planned, count_rad: [f64; 2]) {
+        let mut places = vec![1.0; self.torque_nm.len()];
+        for segment in &planned.segments {
+            for &(line, cycles) in &segment.tones {
+                places[line] = segment.places(cycles) as f64;
+            }
+        }
+        let Self { motor, load, open_loop, torque_nm, .. } = self;
+        let error_rad = |line: &Line, at: usize, count_rad: f64| {
+            error_of_counting(line.value.norm() * torque_nm[at], count_rad, places[at])
+        };
+        // The open loop is the law's answer to counts, for the most part to those of the motor.
+        for (at, (open, line)) in open_loop.iter_mut().zip(&*motor).enumerate() {
+            let share = error_rad(line, at, count_rad[0]) / (line.value.norm() * torque_nm[at]);
+            open.doubt(open.value.norm() * share);
+        }
+        for (lines, count_rad) in [motor, load].into_iter().zip(count_rad) {
+            for (at, line) in lines.iter_mut().enumerate() {
+                line.doubt(error_rad(line, at, count_rad) / torque_nm[at]);
+            }
+        }
+    }
+}
+
+/// Root mean square of the error of the first harmonic of a counted sine, over all its places within a count. With the amplitude A
+/// and the count q, the harmonics of the sawtooth of errors add up to q (2 zeta(3) / pi^4 x q / A)^(1/2), and those that the
+/// samples fold back are noise of q / 12^(1/2) at the places of the cycle that are sampled. Below a count all of it may be missed.
+fn error_of_counting(amplitude_rad: f64, count_rad: f64, places: f64) -> f64 {
+    const SAWTOOTH: f64 = 0.157;
+    if amplitude_rad < count_rad {
+        return count_rad;
+    }
+    count_rad * (SAWTOOTH * (count_rad / amplitude_rad).sqrt()).hypot((2.0 / 12.0 / places).sqrt())
 }
 
 fn spectra(planned: &Planned, excited: Excited, signals: Signals<'_>) -> Vec<Spectra> {
