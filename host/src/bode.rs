@@ -82,7 +82,8 @@ pub struct Measurement {
     pub duration_s: f64,
 }
 
-/// The scenario that measures by this excitation, around the position at which the scenario begins, or in motion from there on.
+/// The scenario that measures by this excitation: around its constant reference, else around the position at which it begins, or in
+/// motion from there on.
 fn exciting(
     scenario: &Scenario,
     plan: &Plan,
@@ -100,7 +101,11 @@ fn exciting(
         RunMode::Hil => {
             exciting.excitation_nm = Arc::from(values);
             if speed_rad_s == 0.0 {
-                Reference::Constant { position_rad: begin_rad }
+                match scenario.reference {
+                    // For a law that takes it as a torque it is a torque.
+                    Reference::Constant { .. } => scenario.reference.clone(),
+                    _ => Reference::Constant { position_rad: begin_rad },
+                }
             } else {
                 Reference::Trapezoid(Trapezoid {
                     from_rad: begin_rad,
@@ -226,8 +231,9 @@ impl Collected {
                 Err(BodeError::Saturated { limit_nm, share: 100.0 * share })
             }
         };
-        // A torque takes its very largest value again and again only at a limit.
-        if largest_nm > 0.0 && excited == Excited::Torque {
+        // A torque that isn't constant takes its very largest value again and again only at a limit.
+        let varies = self.torque_nm.windows(2).any(|pair| pair[0] != pair[1]);
+        if varies && excited == Excited::Torque {
             check(largest_nm, self.torque_nm.iter().filter(|it| it.abs() == largest_nm).count())?;
         }
         if let (Some(limit_nm), Excited::Torque) = (scenario.plant.number("torque_saturation_nm"), excited) {

@@ -47,7 +47,7 @@ impl Margins {
         margins.sensitivity = largest.map(|line| Margin {
             frequency_hz: line.frequency_hz,
             value: line.value.norm(),
-            within: line.t95 * line.deviation,
+            within: line.t95() * line.deviation,
         });
         margins
     }
@@ -116,8 +116,13 @@ mod tests {
 
     /// The loop 1 / s / (s + 1)^2 x gain, at 200 lines.
     fn measured(gain: f64) -> Measured {
-        let line =
-            |frequency_hz: f64, value| Line { frequency_hz, value, deviation: 0.0, coherence: 1.0, t95: 2.0 };
+        let line = |frequency_hz: f64, value| Line {
+            frequency_hz,
+            value,
+            deviation: 0.0,
+            coherence: 1.0,
+            realisations: 8,
+        };
         let open_loop: Vec<Line> = (0..200)
             .map(|at| 0.01 * 10_f64.powf(f64::from(at) / 66.0))
             .map(|frequency_hz| {

@@ -20,8 +20,8 @@ pub struct Line {
     pub deviation: f64,
     /// Share of the power of a realisation that the response explains, 0 to 1.
     pub coherence: f64,
-    /// Factor on the deviation for an interval of 95 %.
-    pub t95: f64,
+    /// Realisations that it is a mean of.
+    pub realisations: u32,
 }
 
 impl Line {
@@ -37,6 +37,22 @@ impl Line {
         self.value.arg().to_degrees()
     }
 
+    /// The open loop of a line of the sensitivity: L = 1 / S - 1.
+    fn loop_of_sensitivity(&self) -> Self {
+        let value = 1.0 / self.value - 1.0;
+        let deviation = self.deviation / self.value.norm_sqr();
+        // That of a mean of as many realisations as the sensitivity is a mean of.
+        let of_one = 2.0 * f64::from(self.realisations) * deviation.powi(2);
+        let coherence = value.norm_sqr() / (value.norm_sqr() + of_one);
+        Self { value, deviation, coherence, ..*self }
+    }
+
+    /// Factor on the deviation for an interval of 95 %.
+    #[must_use]
+    pub fn t95(&self) -> f64 {
+        student::within_95_percent(2.0 * (f64::from(self.realisations) - 1.0))
+    }
+
     /// Adds a deviation that the realisations have in common.
     fn doubt(&mut self, deviation: f64) {
         self.deviation = self.deviation.hypot(deviation);
@@ -47,13 +63,13 @@ impl Line {
     /// Half of the 95 % interval of the magnitude, in dB.
     #[must_use]
     pub fn within_db(&self) -> f64 {
-        decibels(1.0 + self.t95 * self.deviation / self.value.norm())
+        decibels(1.0 + self.t95() * self.deviation / self.value.norm())
     }
 
     /// Half of the 95 % interval of the phase, in degrees; 180 if the response doesn't rise above its scatter.
     #[must_use]
     pub fn within_deg(&self) -> f64 {
-        let share = self.t95 * self.deviation / self.value.norm();
+        let share = self.t95() * self.deviation / self.value.norm();
         if share < 1.0 { share.asin().to_degrees() } else { 180.0 }
     }
 }
@@ -118,10 +134,12 @@ pub enum ResponseError {
     },
     /// Nothing follows the excitation.
     #[error(
-        "no line is coherent: the largest coherence of the motor's response is {largest:.2}, below {least}; raise the amplitude, \
+        "no line is coherent: the largest coherence of the {whose} response is {largest:.2}, below {least}; raise the amplitude, \
          or lower the highest frequency"
     )]
     NotCoherent {
+        /// Whose response.
+        whose: &'static str,
         /// Largest coherence.
         largest: f64,
         /// Least coherence that counts.
@@ -132,6 +150,9 @@ pub enum ResponseError {
 /// Coherence from which a line counts in margins and fits.
 pub const LEAST_COHERENCE: f64 = 0.6;
 
+/// Magnitude of an open loop below which at every line the law answers nothing.
+const NO_LOOP: f64 = 1e-6;
+
 /// The responses of a measurement, each at all lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
@@ -139,9 +160,9 @@ pub struct Measured {
     pub motor: Vec<Line>,
     /// Plant theta_s / u: position of the load by the torque, in rad/N m.
     pub load: Vec<Line>,
-    /// Sensitivity S = u / d; none if the reference was excited.
+    /// Sensitivity S = u / d; none if the reference was excited, or the law closes no loop.
     pub sensitivity: Vec<Line>,
-    /// Open loop L = -U / u, of the loop cut at the plant's input; none if the reference was excited.
+    /// Open loop L = -U / u, of the loop cut at the plant's input; none as for the sensitivity.
     pub open_loop: Vec<Line>,
     /// Closed loop theta_s / r; none if a torque was excited.
     pub closed_loop: Vec<Line>,
@@ -179,7 +200,7 @@ impl Measured {
         let is_torque = excited == Excited::Torque;
         let only = |wanted: bool, of: &dyn Fn(&Spectra) -> Ratio| if wanted { each(of) } else { Vec::new() };
         let ones = |line: &Spectra| vec![Complex::new(1.0, 0.0); line.torque.len()];
-        let of_drive = |line: &Spectra| line.torque.iter().map(|u| 1.0 - u).collect();
+        let sensitivity = only(is_torque, &|line| Ratio::of(&line.torque, &ones(line)));
         let amplitude = |line: &Spectra| {
             let each = line.torque.iter().zip(&line.excitation).map(|(u, d)| (u * d).norm());
             each.sum::<f64>() / line.torque.len() as f64
@@ -187,21 +208,24 @@ impl Measured {
         let mut measured = Self {
             motor: each(&|line| Ratio::of(&line.motor, &line.torque)),
             load: each(&|line| Ratio::of(&line.load, &line.torque)),
-            sensitivity: only(is_torque, &|line| Ratio::of(&line.torque, &ones(line))),
-            // -U / u = (d - u) / u, relative to d.
-            open_loop: only(is_torque, &|line| {
-                let drive: Vec<_> = of_drive(line);
-                Ratio::of(&drive, &line.torque)
-            }),
+            open_loop: sensitivity.iter().map(Line::loop_of_sensitivity).collect(),
+            sensitivity,
             closed_loop: only(!is_torque, &|line| Ratio::of(&line.load, &ones(line))),
             torque_nm: lines.iter().map(amplitude).collect(),
         };
+        if measured.open_loop.iter().all(|it| it.value.norm() < NO_LOOP) {
+            (measured.open_loop, measured.sensitivity) = Default::default();
+        }
         if planned.excitation == Excitation::Sine {
             measured.count_quantisation(planned, signals.count_rad);
         }
-        let largest = measured.motor.iter().map(|it| it.coherence).fold(0.0, f64::max);
-        if largest < LEAST_COHERENCE {
-            return Err(ResponseError::NotCoherent { largest, least: LEAST_COHERENCE });
+        // A law that hunts moves the plant too, and the plant answers coherently; the loop then doesn't answer the excitation.
+        let checked = [("plant's", &measured.motor), ("loop's", &measured.sensitivity)];
+        for (whose, lines) in checked.into_iter().filter(|(_, lines)| !lines.is_empty()) {
+            let largest = lines.iter().map(|it| it.coherence).fold(0.0, f64::max);
+            if largest < LEAST_COHERENCE {
+                return Err(ResponseError::NotCoherent { whose, largest, least: LEAST_COHERENCE });
+            }
         }
         Ok(measured)
     }
@@ -308,7 +332,6 @@ impl Ratio {
 
     fn line(&self, frequency_hz: f64) -> Line {
         let Self { value, deviation, coherence, realisations } = *self;
-        let t95 = student::within_95_percent(2.0 * (realisations as f64 - 1.0));
-        Line { frequency_hz, value, deviation, coherence, t95 }
+        Line { frequency_hz, value, deviation, coherence, realisations: realisations as u32 }
     }
 }
