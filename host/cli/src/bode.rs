@@ -9,13 +9,15 @@ use lashloop::execution::Place;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
+use lashloop_report::page;
+use lashloop_report::response_figure::{Shown, figure};
 use lashloop_response::{Excitation, Plan, table};
 
-use super::bode_table::{print, print_series};
+use super::bode_table::{of_one, of_series};
 use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RigOption, plants, positive};
-use super::output::{error_line, write_file};
+use super::output::{error_line, outln, program_name, write_file};
 use super::supervision::start_supervisor;
 
 /// Measure the frequency response of a loop and of its drive train
@@ -90,6 +92,14 @@ pub(crate) struct Arguments {
     /// Write the lines of all responses and amplitudes to this file
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+
+    /// Write magnitude, phase, sensitivity and coherence as a figure to this file
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+
+    /// Write result and figure as a page for a browser to this file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -113,23 +123,52 @@ impl Arguments {
         let supervisor = start_supervisor()?;
         let _signals = supervisor.guard_signals();
         let mut measurements: Vec<Measurement> = Vec::new();
+        let mut text = Vec::new();
+        let mut print = |lines: Vec<String>| {
+            lines.iter().for_each(|line| outln!("{line}"));
+            text.extend(lines);
+        };
         for &amplitude in &self.amplitudes {
             let plan = self.plan(&scenario, amplitude);
             let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan, self.speed)? else {
                 error_line(format_args!("interrupted by the user before the measurement was complete"));
                 return Ok(Exit::Invalid);
             };
-            print(&measurement);
+            print(of_one(&measurement));
             measurements.push(measurement);
         }
         if measurements.len() > 1 {
-            print_series(&scenario, self.excitation(), &measurements);
+            print(of_series(&scenario, self.excitation(), &measurements));
         }
-        if let (Some(path), Some(first)) = (&self.csv, measurements.first()) {
+        self.write(&scenario, &measurements, &text.join("\n"))?;
+        Ok(Exit::Pass)
+    }
+
+    /// Writes the files that are asked for.
+    fn write(&self, scenario: &Scenario, measurements: &[Measurement], text: &str) -> Result<(), CliError> {
+        let Some(first) = measurements.first() else { return Ok(()) };
+        if let Some(path) = &self.csv {
             let rows = measurements.iter().map(|it| (it.amplitude, &it.measured));
             write_file(path, &table::csv(first.excited, rows))?;
         }
-        Ok(Exit::Pass)
+        if self.svg.is_none() && self.report.is_none() {
+            return Ok(());
+        }
+        let shown = measurements.iter();
+        let shown =
+            shown.map(|it| Shown { amplitude: it.amplitude, excited: it.excited, measured: &it.measured });
+        let shown: Vec<Shown<'_>> = shown.collect();
+        let title = format!("Frequency response: {}", scenario.title);
+        let caption = "Shades are intervals of 95 %, from the scatter over the realisations.";
+        let svg = figure(&title, caption, &shown).to_svg();
+        if let Some(path) = &self.svg {
+            write_file(path, &svg)?;
+        }
+        if let Some(path) = &self.report {
+            let words = std::iter::once(program_name()).chain(std::env::args().skip(1));
+            write_file(path, &page::response(&title, text, &svg, &words.collect::<Vec<_>>()))?;
+        }
+        Ok(())
     }
 
     fn excitation(&self) -> Excitation {
