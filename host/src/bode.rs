@@ -91,7 +91,11 @@ fn exciting(
     speed_rad_s: f64,
 ) -> Result<Scenario, BodeError> {
     let mut exciting = scenario.clone();
-    let begin_rad = scenario.plant.initial.load_position_rad;
+    // For a law that takes its reference as a torque it is a torque.
+    let middle_rad = match scenario.reference {
+        Reference::Constant { position_rad } => position_rad,
+        _ => scenario.plant.initial.load_position_rad,
+    };
     exciting.run.duration_s = values.len() as f64 * plan.period_s();
     exciting.expectations.clear();
     exciting.faults.clear();
@@ -101,16 +105,12 @@ fn exciting(
         RunMode::Hil => {
             exciting.excitation_nm = Arc::from(values);
             if speed_rad_s == 0.0 {
-                match scenario.reference {
-                    // For a law that takes it as a torque it is a torque.
-                    Reference::Constant { .. } => scenario.reference.clone(),
-                    _ => Reference::Constant { position_rad: begin_rad },
-                }
+                Reference::Constant { position_rad: middle_rad }
             } else {
                 Reference::Trapezoid(Trapezoid {
-                    from_rad: begin_rad,
+                    from_rad: middle_rad,
                     // It never arrives.
-                    to_rad: begin_rad + 2.0 * speed_rad_s * (exciting.run.duration_s + 1.0),
+                    to_rad: middle_rad + 2.0 * speed_rad_s * (exciting.run.duration_s + 1.0),
                     start_s: 0.0,
                     velocity_rad_s: speed_rad_s.abs(),
                     acceleration_rad_s2: speed_rad_s.abs(),
@@ -120,7 +120,8 @@ fn exciting(
         RunMode::Bench => {
             let mut text = "time_s,position_rad\n".to_owned();
             for (step, value) in values.iter().enumerate() {
-                text += &format!("{:?},{:?}\n", step as f64 * plan.period_s(), begin_rad + f64::from(*value));
+                text +=
+                    &format!("{:?},{:?}\n", step as f64 * plan.period_s(), middle_rad + f64::from(*value));
             }
             Reference::Table(Table::from_text(Path::new("excitation"), &text, Interpolation::Hold)?)
         }
