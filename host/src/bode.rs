@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{Clock, End, Step, StepObserver};
+use lashloop_bench::run::{Clock, End, Step, StepObserver, takes_torque};
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_plant::reference::{Interpolation, Reference, Table, TableError, Trapezoid};
@@ -74,7 +74,8 @@ pub struct Measurement {
     pub margins: Margins,
     /// The drive train that explains the plant, or why none does.
     pub fit: Result<Fit, FitError>,
-    /// Root mean square of the twist theta_e - N0 theta_s while it was measured, in rad, with the fitted N0.
+    /// Root mean square of the twist theta_e - N0 theta_s while it was measured, in rad, with the N0 of the
+    /// scenario, else the fitted one.
     pub twist_rms_rad: Option<f64>,
     /// Largest torque of the drive in N m.
     pub largest_torque_nm: f64,
@@ -82,20 +83,15 @@ pub struct Measurement {
     pub duration_s: f64,
 }
 
-/// The scenario that measures by this excitation: around its constant reference, else around the position at which it begins, or in
-/// motion from there on.
+/// The scenario that measures by this excitation, around this reference or in motion from there on.
 fn exciting(
     scenario: &Scenario,
     plan: &Plan,
     values: &[f32],
+    middle_rad: f64,
     speed_rad_s: f64,
 ) -> Result<Scenario, BodeError> {
     let mut exciting = scenario.clone();
-    // For a law that takes its reference as a torque it is a torque.
-    let middle_rad = match scenario.reference {
-        Reference::Constant { position_rad } => position_rad,
-        _ => scenario.plant.initial.load_position_rad,
-    };
     exciting.run.duration_s = values.len() as f64 * plan.period_s();
     exciting.expectations.clear();
     exciting.faults.clear();
@@ -143,10 +139,17 @@ pub fn measure(
     speed_rad_s: f64,
 ) -> Result<Option<Measurement>, BodeError> {
     let planned = plan.make()?;
-    let mut exciting = exciting(scenario, plan, &planned.values, speed_rad_s)?;
-    let excited = if exciting.run.mode.is_hil() { Excited::Torque } else { Excited::Reference };
-    let mut collected = Collected::new(&exciting);
-    let mut drive = OpenDrive::open(&exciting, place, clock, supervisor)?;
+    let excited = if scenario.run.mode.is_hil() { Excited::Torque } else { Excited::Reference };
+    let mut collected = Collected::new(scenario);
+    let mut drive = OpenDrive::open(scenario, place, clock, supervisor)?;
+    // A torque as the reference keeps the load in motion. A position that isn't the start would twist the shaft on arrival.
+    let middle_rad = match scenario.reference {
+        Reference::Constant { position_rad } if takes_torque(scenario, &drive.device().session) => {
+            position_rad
+        }
+        _ => scenario.plant.initial.load_position_rad,
+    };
+    let mut exciting = exciting(scenario, plan, &planned.values, middle_rad, speed_rad_s)?;
     let outcome = drive.run(&mut exciting, vec![&mut collected], None)?;
     let duration_s = exciting.run.duration_s;
     match outcome.end {
@@ -173,7 +176,8 @@ pub fn measure(
     let measured = Measured::of(&planned, excited, signals)?;
     let delay_s = f64::from(scenario.plant.torque_delay_us()) / 1e6;
     let fit = Fit::of(&measured, plan.period_s(), delay_s);
-    let ratio = fit.as_ref().ok().map(|fit| fit.train.reduction_ratio);
+    let of_fit = || fit.as_ref().ok().map(|fit| fit.train.reduction_ratio);
+    let ratio = scenario.plant.number("reduction_ratio").or_else(of_fit);
     Ok(Some(Measurement {
         amplitude: plan.amplitude,
         excited,

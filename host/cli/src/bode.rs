@@ -7,7 +7,7 @@ use lashloop::Bench;
 use lashloop::bode::{Measurement, measure};
 use lashloop::execution::Place;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_report::page;
 use lashloop_report::response_figure::{Shown, figure};
@@ -47,7 +47,8 @@ pub(crate) struct Arguments {
     mode: Option<String>,
 
     /// Largest excitation: N m in HIL mode, rad of the reference in bench mode; several, separated by commas, make a series
-    #[arg(long, value_name = "AMPLITUDE", value_delimiter = ',', default_value = "0.5", value_parser = positive)]
+    /// [default: 0.5 in HIL mode]
+    #[arg(long, value_name = "AMPLITUDE", value_delimiter = ',', value_parser = positive)]
     amplitudes: Vec<f64>,
 
     /// HIL mode: speed of the load during the measurement, in rad/s; in motion dry friction is a constant and closes the gap
@@ -108,6 +109,8 @@ enum Choice {
     Sine,
 }
 
+/// Largest excitation of a simulated plant by default, in N m.
+const AMPLITUDE_NM: f64 = 0.5;
 /// Highest tone by default, as a share of the sampling frequency.
 const HIGHEST: f64 = 0.2;
 
@@ -128,7 +131,7 @@ impl Arguments {
             lines.iter().for_each(|line| outln!("{line}"));
             text.extend(lines);
         };
-        for &amplitude in &self.amplitudes {
+        for amplitude in self.amplitudes(&scenario)? {
             let plan = self.plan(&scenario, amplitude);
             let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan, self.speed)? else {
                 error_line(format_args!("interrupted by the user before the measurement was complete"));
@@ -169,6 +172,18 @@ impl Arguments {
             write_file(path, &page::response(&title, text, &svg, &words.collect::<Vec<_>>()))?;
         }
         Ok(())
+    }
+
+    /// The amplitudes. Those that move a machine have no default.
+    fn amplitudes(&self, scenario: &Scenario) -> Result<Vec<f64>, CliError> {
+        match (&self.amplitudes[..], scenario.run.mode) {
+            ([], RunMode::Hil) => Ok(vec![AMPLITUDE_NM]),
+            ([], RunMode::Bench) => Err(CliError::CommissionLimit {
+                option: "--amplitudes",
+                problem: "is missing; in bench mode it moves a machine: state the largest excitation of the reference, in rad".to_owned(),
+            }),
+            (given, _) => Ok(given.to_vec()),
+        }
     }
 
     fn excitation(&self) -> Excitation {
