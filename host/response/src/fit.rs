@@ -377,3 +377,6 @@ fn smoothed(lines: &[Line]) -> Vec<f64> {
     };
     (0..lines.len()).map(smooth).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -65,7 +65,7 @@ pub enum PlanError {
     },
     /// The range is empty or not positive.
     #[error(
-        "the frequencies from {lowest_hz} Hz to {highest_hz} Hz are no range; the lowest must be above 0 and below the highest"
+        "the frequencies from {lowest_hz} Hz to {highest_hz} Hz are not a range; the lowest must be above 0 and below the highest"
     )]
     EmptyRange {
         /// Lower end.
@@ -263,5 +263,69 @@ struct Part {
 impl Part {
     fn steps(&self, windows: u32) -> usize {
         self.settles + self.window * windows as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAN: Plan = Plan {
+        control_period_us: 1000,
+        excitation: Excitation::Multisine,
+        amplitude: 0.5,
+        lowest_hz: 0.5,
+        highest_hz: 200.0,
+        lines: 30,
+        realisations: 3,
+        windows: 2,
+        settles_s: 3.0,
+        seed: 1,
+    };
+
+    #[test]
+    fn every_tone_fits_a_whole_number_of_times_into_its_window_and_repeats_in_the_next() {
+        for excitation in [Excitation::Multisine, Excitation::Sine] {
+            let planned = Plan { excitation, ..PLAN }.make().expect("a plan");
+            for segment in &planned.segments {
+                let Segment { first, window, windows, tones, .. } = segment;
+                for &(line, cycles) in tones {
+                    let frequency_hz = cycles as f64 / (*window as f64 * 1e-3);
+                    assert!((planned.frequencies_hz[line] - frequency_hz).abs() < 1e-9);
+                }
+                assert!(*first >= 3000 && first + window * windows <= planned.values.len());
+                // From the window before on, since the drift is measured against it.
+                for step in first - window..first + window * (windows - 1) {
+                    let [now, next] = [step, step + window].map(|at| planned.values[at]);
+                    assert!((now - next).abs() < 1e-5, "{excitation:?} at step {step}: {now}, {next}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn realisations_differ_in_their_phases() {
+        let planned = PLAN.make().expect("a plan");
+        let of = |at: usize| &planned.values[planned.segments[at].first..][..planned.segments[at].window];
+        assert!(of(0) != of(1) && of(1) != of(2));
+    }
+
+    #[test]
+    fn amplitude_is_the_largest_value() {
+        for excitation in [Excitation::Multisine, Excitation::Sine] {
+            let planned = Plan { excitation, ..PLAN }.make().expect("a plan");
+            let largest = planned.values.iter().fold(0.0_f32, |largest, it| largest.max(it.abs()));
+            assert!((0.48..=0.507).contains(&largest), "{excitation:?}: {largest}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_plan_is_named() {
+        let message = |plan: Plan| plan.make().expect_err("a wrong plan").to_string();
+        assert!(message(Plan { highest_hz: 501.0, ..PLAN }).contains("take at most 500 Hz"));
+        assert!(message(Plan { lowest_hz: 300.0, ..PLAN }).contains("from 300 Hz to 200 Hz are not a range"));
+        assert!(message(Plan { amplitude: 0.0, ..PLAN }).contains("excites nothing"));
+        assert!(message(Plan { realisations: 2, ..PLAN }).contains("take at least 3"));
+        assert!(message(Plan { lowest_hz: 1e-6, ..PLAN }).contains("would take"));
     }
 }
