@@ -164,7 +164,7 @@ impl Plan {
         if realisations < LEAST_REALISATIONS {
             return Err(PlanError::Realisations { realisations });
         }
-        if self.lines == 0 || self.windows == 0 || !(self.settles_s >= 0.0) {
+        if self.lines == 0 || self.windows == 0 || self.settles_s.is_nan() || self.settles_s < 0.0 {
             return Err(PlanError::Nothing);
         }
         let parts = self.parts();
