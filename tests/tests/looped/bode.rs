@@ -6,7 +6,7 @@ use lashloop::Bench;
 use lashloop::bode::{Measurement, measure};
 use lashloop_bench::run::Clock;
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_response::response::{Line, decibels};
+use lashloop_response::response::{Excited, Line, decibels};
 use lashloop_response::two_mass::TwoMass;
 use lashloop_response::{Complex, Excitation, Measured, Plan, gap, table};
 use tests::program;
@@ -221,6 +221,26 @@ fn stiffness_and_inertia_ratio_of_hidden_plants_lie_within_the_stated_intervals(
     }
     println!("{} of stiffness, {} of the inertia ratio, of {}", found[0], found[1], SEEDS.count());
     assert!(found.iter().all(|count| *count >= 18), "{found:?}\n{text}");
+}
+
+/// The drive reads its own encoders, and its law makes a torque of the reference.
+#[test]
+fn plant_behind_the_pins_of_a_drive_is_measured_by_the_reference() {
+    let settings = [
+        "run.mode=bench",
+        "bench.torque_per_duty_nm=62.5",
+        "bench.twist_limit_rad=40",
+        "controller.name=open-loop",
+        "reference.position_rad=6",
+        "plant.load_torque.torque_nm=0",
+    ];
+    let plan = Plan { amplitude: 3.0, lowest_hz: 0.2, settles_s: 10.0, realisations: 4, ..PLAN };
+    let Measurement { excited, measured, fit, .. } = measured(LINEAR, &settings, &plan);
+    assert_eq!(excited, Excited::Reference);
+    assert!(measured.sensitivity.is_empty() && !measured.closed_loop.is_empty());
+    let fit = fit.expect("a fit");
+    assert!(fit.stiffness_nm_rad.contains(TRUTH.stiffness_nm_rad), "{fit:?}");
+    assert!(fit.inertia_ratio.contains(TRUTH.inertia_ratio()), "{fit:?}");
 }
 
 #[test]

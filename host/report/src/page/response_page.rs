@@ -27,3 +27,18 @@ pub fn response(title: &str, result: &str, svg: &str, words: &[String]) -> Strin
     };
     document(title, &LINKS, None, &content)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::response;
+
+    #[test]
+    fn page_has_the_result_as_text_and_the_figure_as_a_figure() {
+        let words = ["lashloop", "bode", "a b.toml"].map(str::to_owned);
+        let page = response("a < b", "phase margin <20 deg", "<svg><path/></svg>", &words);
+        for want in ["a &lt; b", "phase margin &lt;20 deg", "<svg><path/></svg>", "lashloop bode 'a b.toml'"]
+        {
+            assert!(page.contains(want), "{want} isn't in {page}");
+        }
+    }
+}
