@@ -232,10 +232,10 @@ fn plant_behind_the_pins_of_a_drive_is_measured_by_the_reference() {
         "bench.twist_limit_rad=40",
         "controller.name=open-loop",
         "reference.position_rad=6",
-        "plant.load_torque.torque_nm=0",
     ];
+    let text = LINEAR.replace("load_torque.torque_nm = 6.0\n", "");
     let plan = Plan { amplitude: 3.0, lowest_hz: 0.2, settles_s: 10.0, realisations: 4, ..PLAN };
-    let Measurement { excited, measured, fit, .. } = measured(LINEAR, &settings, &plan);
+    let Measurement { excited, measured, fit, .. } = measured(&text, &settings, &plan);
     assert_eq!(excited, Excited::Reference);
     assert!(measured.sensitivity.is_empty() && !measured.closed_loop.is_empty());
     let fit = fit.expect("a fit");

@@ -22,7 +22,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/plot", 1_050),
     ("host/record", 3_960),
     ("host/report", 3_700),
-    ("host/response", 1_200),
+    ("host/response", 1_050),
     ("host/session", 2_900),
     ("protocol", 2_000),
     ("studies/battery", 350),
