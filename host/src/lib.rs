@@ -59,12 +59,14 @@
 //! | module | is |
 //! |---|---|
 //! | [`execution`] | a run as a value: scenario, place, clock, record, watchers |
+//! | [`bode`] | frequency responses of a loop, measured |
 //! | [`rig`] | benches with hardware: rig file, limits, lock |
 //! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |
 
 #![forbid(unsafe_code)]
 
 mod bench;
+pub mod bode;
 mod error;
 pub mod execution;
 pub mod margins;

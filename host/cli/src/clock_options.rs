@@ -3,8 +3,11 @@
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::{RealTime, usable_cores};
+use lashloop_bench::scenario::{RunMode, Scenario};
+use lashloop_bench::timing::ClockName;
 
 use super::error::CliError;
 
@@ -43,6 +46,16 @@ impl ClockOptions {
     fn core_refusal(&self) -> Option<CliError> {
         let (core, usable) = (self.core?, usable_cores());
         (!usable.is_empty() && !usable.contains(&core)).then_some(CliError::Core { core, usable })
+    }
+
+    /// Lockstep, unless the drive is on hardware and has a time of its own.
+    pub(crate) fn for_drive(&self, scenario: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
+        let clock = self.clock()?;
+        let name = ClockName::Lockstep;
+        let is_real = clock == Clock::Lockstep
+            && scenario.run.mode == RunMode::Bench
+            && !choice.for_run(scenario, name)?.keeps_bench_clock(name);
+        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
     }
 
     pub(crate) fn clock(&self) -> Result<Clock, CliError> {

@@ -6,10 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::Clock;
-use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::scenario::{Override, RunMode, Scenario, ScenarioErrors};
-use lashloop_bench::timing::ClockName;
+use lashloop_bench::scenario::{Override, Scenario, ScenarioErrors};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
@@ -155,7 +152,7 @@ impl Arguments {
             RecordFolder::check_inside(folder, self.force)?;
         }
         let supervisor = start_supervisor()?;
-        let clock = self.clock(&template, place.choice())?;
+        let clock = self.clock.for_drive(&template, place.choice())?;
         let drive = OpenDrive::open(&template, place, clock, &supervisor)?;
         let drive = drive.with_excess(Excess::Guarded);
         if !confirmed(&limits, &place.choice().to_string(), self.yes)? {
@@ -302,16 +299,6 @@ impl Arguments {
         let of_rig = rig.map(encoders_of).unwrap_or_default();
         let settings = self.set.iter().cloned().chain(of_rig).chain(first.iter().chain(more).cloned());
         mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect()
-    }
-
-    /// Lockstep, unless the drive is on hardware and has a time of its own.
-    fn clock(&self, template: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
-        let clock = self.clock.clock()?;
-        let name = ClockName::Lockstep;
-        let is_real = clock == Clock::Lockstep
-            && template.run.mode == RunMode::Bench
-            && !choice.for_run(template, name)?.keeps_bench_clock(name);
-        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
     }
 
     /// What is given of the instruments. In bench mode the power stage has a delay and a step.

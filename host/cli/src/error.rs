@@ -5,6 +5,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use lashloop::bode::BodeError;
 use lashloop::execution::ExecutionError;
 use lashloop::replay::ReplayError;
 use lashloop::rig::RigError;
@@ -108,6 +109,8 @@ pub(crate) enum CliError {
     #[error("{}: its reference isn't constant, so nothing settles; give a scenario with one move", path.display())]
     NotConstant { path: PathBuf },
     #[error(transparent)]
+    Bode(BodeError),
+    #[error(transparent)]
     Live(#[from] LiveError),
     #[error(transparent)]
     Flash(#[from] FlashError),
@@ -151,7 +154,8 @@ impl CliError {
             | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::Rig(error) => error.exit(),
-            Self::Commission(_) | Self::Electrical(_) | Self::Identify(_) => Exit::Invalid,
+            Self::Bode(BodeError::Plan(_)) => Exit::UsageOrScenario,
+            Self::Bode(_) | Self::Commission(_) | Self::Electrical(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
             | Self::NoMessage { .. }
@@ -223,6 +227,15 @@ impl From<ExecutionError> for CliError {
         match error {
             ExecutionError::Rig(error) => Self::Rig(error),
             ExecutionError::Run(error) => Self::Run(error),
+        }
+    }
+}
+
+impl From<BodeError> for CliError {
+    fn from(error: BodeError) -> Self {
+        match error {
+            BodeError::Run(error) => error.into(),
+            error => Self::Bode(error),
         }
     }
 }

@@ -12,6 +12,8 @@
 #![forbid(unsafe_code)]
 
 mod benchmark;
+mod bode;
+mod bode_table;
 mod budget;
 mod budget_on_map;
 mod campaign;
@@ -79,7 +81,7 @@ registry::commands! {
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Budget(budget), Fmu(fmu);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
-    "Qualify a drive, a line or this machine": Margins(margins), Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
+    "Qualify a drive, a line or this machine": Margins(margins), Bode(bode), Conformance(conformance), Doctor(doctor), Benchmark(benchmark);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
     "Set up a shell": Completions(completions);
 }

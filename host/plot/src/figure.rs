@@ -65,19 +65,27 @@ impl Series {
     }
 }
 
-/// Quantity and unit of an axis.
+/// Quantity, unit and scale of an axis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Axis {
     /// Name of the quantity, such as `load position`.
     pub quantity: String,
     /// Its unit, such as `rad`; empty for a pure number.
     pub unit: String,
+    /// Whether equal ratios are equal lengths; on the horizontal axis only. A value that isn't above zero isn't drawn.
+    pub is_logarithmic: bool,
 }
 
 impl Axis {
     /// An axis for `quantity` in `unit`.
     pub fn new(quantity: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { quantity: quantity.into(), unit: unit.into() }
+        Self { quantity: quantity.into(), unit: unit.into(), is_logarithmic: false }
+    }
+
+    /// The same axis with a logarithmic scale.
+    #[must_use]
+    pub fn logarithmic(self) -> Self {
+        Self { is_logarithmic: true, ..self }
     }
 }
 
@@ -126,6 +134,17 @@ impl Panel {
     /// An empty diagram.
     pub fn new(title: impl Into<String>, x_axis: Axis, y_axis: Axis) -> Self {
         Self { title: title.into(), x_axis, y_axis, series: Vec::new(), band: None, marks: Vec::new() }
+    }
+
+    /// The panel with the coordinate along its horizontal axis instead of the value: the logarithm on a logarithmic one.
+    pub(crate) fn along_its_axis(&self) -> Self {
+        let mut panel = self.clone();
+        if self.x_axis.is_logarithmic {
+            let marks = panel.marks.iter_mut().map(|mark| &mut mark.x);
+            let points = panel.series.iter_mut().flat_map(|series| &mut series.x);
+            marks.chain(points).for_each(|x| *x = x.log10());
+        }
+        panel
     }
 
     /// Adds a curve.

@@ -44,7 +44,10 @@ impl<'a> Prepared<'a> {
             panel,
             title_lines: wrap(&title, PANEL_TITLE_PX, width),
             legend: Legend::new(panel, width),
-            x_ticks: Ticks::covering(x_span, X_INTERVALS),
+            x_ticks: match panel.x_axis.is_logarithmic {
+                true => Ticks::Decades(x_span),
+                false => Ticks::covering(x_span, X_INTERVALS),
+            },
             y_ticks: Ticks::covering(y_span, Y_INTERVALS),
         }
     }
@@ -56,7 +59,8 @@ impl<'a> Prepared<'a> {
 
     /// Margin left of the plot: tick labels and axis name.
     pub(super) fn left_px(&self) -> f64 {
-        let ticks = self.y_ticks.labelled().map(|(_, label)| width_px(&label, TICK_PX)).fold(0.0, f64::max);
+        let labels = self.y_ticks.labelled();
+        let ticks = labels.iter().map(|(_, label)| width_px(label, TICK_PX)).fold(0.0, f64::max);
         LABEL_PX + 14.0 + ticks + 8.0
     }
 

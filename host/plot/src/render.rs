@@ -4,7 +4,7 @@
 //! legends and tick labels, so that curves in neighbouring panels can be compared by eye.
 
 use super::axes::Frame;
-use super::figure::Figure;
+use super::figure::{Figure, Panel};
 use super::panel::Prepared;
 use super::placement::Area;
 use super::svg::{Label, Svg};
@@ -27,8 +27,8 @@ impl Figure {
         let inner_width = columns as f64 * (panel_width + COLUMN_GAP_PX) - COLUMN_GAP_PX;
 
         let is_lettered = (2..=26).contains(&self.panels.len());
-        let prepared: Vec<Prepared> = self
-            .panels
+        let panels: Vec<Panel> = self.panels.iter().map(Panel::along_its_axis).collect();
+        let prepared: Vec<Prepared> = panels
             .iter()
             .zip('a'..)
             .map(|(panel, letter)| Prepared::new(panel, is_lettered.then_some(letter), panel_width))

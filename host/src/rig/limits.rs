@@ -196,7 +196,11 @@ impl Extremes {
         let Scenario { reference, run, .. } = scenario;
         let is_step = match reference {
             Reference::Step { .. } | Reference::Constant { .. } => true,
-            Reference::Sine { .. } | Reference::Trapezoid(_) | Reference::Table(_) => false,
+            Reference::Sine { .. }
+            | Reference::Trapezoid(_)
+            | Reference::Chirp(_)
+            | Reference::Multisine(_)
+            | Reference::Table(_) => false,
         };
         let period_s = run.control_period_s();
         let mut extremes = Self { distance_rad: 0.0, speed_rad_s: 0.0 };

@@ -1,8 +1,15 @@
 //! The whole loop as a user runs it: the `lashloop` program, drives on real pseudo-terminals, and faulty lines. Runs in the
 //! emulator are in `emulated`.
 
+#[path = "../../../host/identify/tests/identify/hidden_plants/keys.rs"]
+mod hidden_plant_keys;
+#[allow(dead_code, unused_imports, reason = "the tests of the estimates use more of it")]
+#[path = "../../../host/identify/tests/identify/hidden_plants/mod.rs"]
+mod hidden_plants;
+
 mod battery;
 mod bit_exact;
+mod bode;
 mod bridge;
 mod budget;
 mod campaign;

@@ -1,6 +1,7 @@
 //! The simulated side of the loop: plant, encoders and reference of a scenario.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
@@ -37,6 +38,8 @@ pub struct Simulator {
     period_s: f64,
     encoder_faults: EncoderFaults,
     motor_faults: MotorFaults,
+    /// Torque on top of the drive's, by the step.
+    excitation_nm: Arc<[f32]>,
     plant_faults: PlantFaults,
     /// The values of the plant's keys after each fault, with the first step they apply to.
     next_values: VecDeque<(u32, PlantValues)>,
@@ -77,6 +80,7 @@ impl Simulator {
             settings: scenario.plant.clone(),
             encoder_faults: EncoderFaults::new(scenario),
             motor_faults: MotorFaults::new(scenario),
+            excitation_nm: scenario.excitation_nm.clone(),
             next_values: next_values.into(),
             plant_faults,
             delay: transport_delay(scenario),
@@ -143,7 +147,11 @@ impl Simulator {
     /// # Errors
     /// As [`Plant::step`]; as a rule the state overflowed.
     pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
-        let torque_nm = self.motor_faults.apply(step, torque_nm);
+        let mut torque_nm = self.motor_faults.apply(step, torque_nm);
+        // Not as a zero: -0 + 0 is another number than -0.
+        if let Some(excitation_nm) = self.excitation_nm.get(step as usize) {
+            torque_nm += excitation_nm;
+        }
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
             self.plant.step(held_nm, held_s)?;
         }

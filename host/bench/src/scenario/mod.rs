@@ -52,6 +52,7 @@ mod tree;
 pub mod unit;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -146,6 +147,10 @@ settings! {
         /// Cases of `lashloop test`; [suites.md](suites.md) has examples. Other commands reject a scenario with a sweep.
         #[serde(skip)]
         sweep: () = section(Sweep::rejected),
+        /// A torque that the motor gets on top of the drive's, for each step, in N m; none beyond its end. A measurement of the
+        /// loop sets it. It has no key, and it acts on a simulated plant only.
+        #[serde(skip)]
+        pub excitation_nm: Arc<[f32]> = skipped(|_| Arc::default()),
         /// What the drive's defaults have to equal.
         #[serde(skip)]
         nominal: Nominal = skipped(|_| Nominal::default()),

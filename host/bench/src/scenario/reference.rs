@@ -3,13 +3,13 @@
 
 use serde::Serialize;
 
-use super::declare::{choice, number, tagged, text};
+use super::declare::{choice, integer, number, tagged, text};
 use super::key_error::KeyError;
 use super::range::positive;
 use super::reader::Section;
 use super::tables::Tables;
 use crate::settings;
-use lashloop_plant::reference::{Interpolation, Reference, Trapezoid};
+use lashloop_plant::reference::{Chirp, Interpolation, MultisineKeys, Reference, Trapezoid};
 
 settings! {
     /// `[reference]` as it is written.
@@ -62,6 +62,37 @@ settings! {
             /// Acceleration and deceleration.
             acceleration_rad_s2: f64 = number(positive(1e6)),
         },
+        /// A sine whose frequency moves from one value to another, by equal ratios in equal times, and then stays.
+        "chirp" => Chirp {
+            /// Half of peak to peak.
+            amplitude_rad: f64 = number(0.0..=1e4),
+            /// Frequency at time 0.
+            from_hz: f64 = number(positive(1e4)),
+            /// Frequency at the end of the sweep and from there on.
+            to_hz: f64 = number(positive(1e4)),
+            /// Time from the first frequency to the last.
+            sweep_s: f64 = number(positive(1e5)),
+            /// Middle of the sine, where it begins.
+            offset_rad: f64 = number(-1e4..=1e4).or(0.0),
+        },
+        /// offset + amplitude times a sum of sines within +-1: tones of one amplitude with random phases, at odd multiples of
+        /// 1 / period.
+        "multisine" => Multisine {
+            /// Largest distance from the middle.
+            amplitude_rad: f64 = number(0.0..=1e4),
+            /// Time after which it repeats.
+            period_s: f64 = number(positive(1e3)),
+            /// Frequency of the lowest tone, rounded to an odd multiple of 1 / period.
+            lowest_hz: f64 = number(positive(1e3)),
+            /// Frequency that no tone exceeds.
+            highest_hz: f64 = number(positive(1e3)),
+            /// Tones at most, at about equal ratios.
+            lines: u32 = integer(1..=1000).or(40),
+            /// Seed of the phases.
+            phase_seed: u32 = integer(0..=u32::MAX).or(1),
+            /// Middle, where it begins.
+            offset_rad: f64 = number(-1e4..=1e4).or(0.0),
+        },
         /// Points of a file.
         "table" => Table {
             /// Positions between two points: on a line, or that of the point before.
@@ -93,6 +124,33 @@ impl ReferenceKeys {
                     velocity_rad_s,
                     acceleration_rad_s2,
                 })
+            }
+            Some(Profile::Chirp { amplitude_rad, from_hz, to_hz, sweep_s, offset_rad }) => {
+                Reference::Chirp(Chirp { amplitude_rad, from_hz, to_hz, sweep_s, offset_rad })
+            }
+            Some(Profile::Multisine {
+                amplitude_rad,
+                period_s,
+                lowest_hz,
+                highest_hz,
+                lines,
+                phase_seed,
+                offset_rad,
+            }) => {
+                if highest_hz < lowest_hz {
+                    section.reject("highest_hz", format!("is below lowest_hz; it must be >= {lowest_hz} Hz"));
+                    return Reference::Constant { position_rad: offset_rad };
+                }
+                let keys = MultisineKeys {
+                    amplitude_rad,
+                    period_s,
+                    lowest_hz,
+                    highest_hz,
+                    lines,
+                    phase_seed,
+                    offset_rad,
+                };
+                Reference::Multisine(keys.into())
             }
             Some(Profile::Table { interpolation, file }) => {
                 let Some(node) = section.node("file").filter(|node| node.text().is_some()) else {

@@ -252,10 +252,20 @@ fn every_profile_survives_printing() {
         "\"step\"\nbefore_rad = 1\nafter_rad = 0.5\nat_s = 1.5",
         "\"sine\"\namplitude_rad = 0.5\nfrequency_hz = 0.05\nphase_rad = 0.1",
         "\"trapezoid\"\nfrom_rad = 1\nto_rad = 0.5\nvelocity_rad_s = 2\nacceleration_rad_s2 = 3",
+        "\"chirp\"\namplitude_rad = 0.1\nfrom_hz = 0.5\nto_hz = 20\nsweep_s = 10\noffset_rad = 0.2",
+        "\"multisine\"\namplitude_rad = 0.1\nperiod_s = 2\nlowest_hz = 0.5\nhighest_hz = 20\nlines = 10\nphase_seed = 3",
     ] {
         let text =
             format!("meant = [\"start\"]\n{}", SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile));
         let scenario = read(&text, &[]).expect(&text);
         assert_eq!(printed_and_read(&scenario), scenario);
     }
+}
+
+#[test]
+fn multisine_without_a_range_of_frequencies_is_rejected_at_the_higher_end() {
+    let profile = "\"multisine\"\namplitude_rad = 0.1\nperiod_s = 2\nlowest_hz = 5\nhighest_hz = 4";
+    let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile);
+    let errors = read(&text, &[]).expect_err("no range").to_string();
+    assert!(errors.contains("reference.highest_hz: 4 is below lowest_hz; it must be >= 5 Hz"), "{errors}");
 }

@@ -6,16 +6,24 @@
 //! | `step` | step response |
 //! | `sine` | tracking, and lost motion under slow reversal |
 //! | `trapezoid` | a positioning move with limited velocity and acceleration |
+//! | `chirp` | one frequency after the other |
+//! | `multisine` | many frequencies at once, which repeat after a period |
 //! | `table` | points of a file, recorded or computed elsewhere |
 
+mod chirp;
+mod multisine;
 mod table;
+mod tones;
 mod trapezoid;
 
 use std::f64::consts::TAU;
 
 use serde::Serialize;
 
+pub use self::chirp::Chirp;
+pub use self::multisine::{Multisine, MultisineKeys};
 pub use self::table::{Interpolation, Table, TableError, TableErrorKind};
+pub use self::tones::Tones;
 pub use self::trapezoid::Trapezoid;
 
 /// A reference for the load position.
@@ -49,6 +57,10 @@ pub enum Reference {
     },
     /// A move with limited velocity and acceleration.
     Trapezoid(Trapezoid),
+    /// A sine of rising frequency.
+    Chirp(Chirp),
+    /// Many sines at once.
+    Multisine(Multisine),
     /// Points of a file.
     Table(Table),
 }
@@ -71,15 +83,19 @@ impl Reference {
                 offset_rad + amplitude_rad * libm::sin(TAU * frequency_hz * t_s + phase_rad)
             }
             Self::Trapezoid(trapezoid) => trapezoid.position_rad(t_s),
+            Self::Chirp(chirp) => chirp.position_rad(t_s),
+            Self::Multisine(multisine) => multisine.position_rad(t_s),
             Self::Table(table) => table.position_rad(t_s),
         }
     }
 
-    /// The middle of a reference that reverses: the offset of a sine, or half way between the extremes of a table.
+    /// The middle of a reference that reverses: the offset of a sine, a chirp or a multisine, or half way between the extremes of a table.
     #[must_use]
     pub fn middle_rad(&self) -> Option<f64> {
         match self {
             Self::Sine { offset_rad, .. } => Some(*offset_rad),
+            Self::Chirp(chirp) => Some(chirp.offset_rad),
+            Self::Multisine(multisine) => Some(multisine.keys().offset_rad),
             Self::Table(table) => Some(table.middle_rad()),
             Self::Constant { .. } | Self::Step { .. } | Self::Trapezoid(_) => None,
         }

@@ -190,3 +190,19 @@ fn the_same_figure_gives_the_same_document() {
     assert_eq!(figure().to_svg(), figure().to_svg());
     insta::assert_snapshot!(figure().to_svg());
 }
+
+#[test]
+fn equal_ratios_are_equal_lengths_on_a_logarithmic_axis_and_zero_breaks_the_curve() {
+    let panel = Panel::new("panel", Axis::new("frequency", "Hz").logarithmic(), Axis::new("gain", ""));
+    let curve = series(vec![0.1, 1.0, 10.0, 0.0, 1.0, 100.0], vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    let svg = Figure::new("title", "caption", 1).panel(panel.series(curve)).to_svg();
+    let document = Document::parse(&svg).expect("valid XML");
+    let strokes = strokes(curves(&document)[0]);
+    let x: Vec<Vec<f64>> = strokes.iter().map(|it| it.iter().map(|point| point.0).collect()).collect();
+    let (first, second) = (&x[0], &x[1]);
+    let decade = first[1] - first[0];
+    assert!(decade > 50.0 && (first[2] - first[1] - decade).abs() < 0.3, "{x:?}");
+    assert!((second[1] - second[0] - 2.0 * decade).abs() < 0.3, "{x:?}");
+    let texts = texts(&document);
+    assert!(["0.1", "1", "10", "100"].iter().all(|label| texts.iter().any(|it| it == label)), "{texts:?}");
+}

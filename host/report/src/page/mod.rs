@@ -10,7 +10,7 @@
 //! | charts | `run_charts`, `chosen_panels`, `annotations`, `data`, `codec` | which charts the signals permit and the user chooses; what is said of the curves; columns as short text |
 //! | numbers | `typeset` | numbers and units as a book prints them |
 //! | parts | `part`, `campaign` | one section of a page per file |
-//! | pages | `run_page`, `comparison_page`, `suite_page`, `campaign_page` | the parts of a page, in their order |
+//! | pages | `run_page`, `comparison_page`, `suite_page`, `campaign_page`, `response_page` | the parts of a page, in their order |
 //! | document | `shell`, `assets` | head, policy, style and scripts |
 
 mod annotations;
@@ -24,6 +24,7 @@ mod data;
 mod input;
 mod margin;
 mod part;
+mod response_page;
 mod run_charts;
 mod run_page;
 mod shell;
@@ -39,5 +40,6 @@ pub use chosen_panels::Panels;
 pub use comparison_page::{comparison, diff};
 pub use input::Run;
 pub use margin::Margin;
+pub use response_page::response;
 pub use run_page::run;
 pub use suite_page::{Suite, SuiteRow, suite};

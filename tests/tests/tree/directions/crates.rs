@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the crates of the repository that it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 30] = [
+const ALLOWED: [(&str, &[&str]); 31] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
@@ -19,6 +19,7 @@ const ALLOWED: [(&str, &[&str]); 30] = [
     ),
     ("lashloop-record", &["lashloop-protocol", "lashloop-plant", "lashloop-session", "lashloop-bench"]),
     ("lashloop-identify", &["lashloop-plant"]),
+    ("lashloop-response", &["lashloop-plant"]),
     (
         "lashloop",
         &[
@@ -29,6 +30,8 @@ const ALLOWED: [(&str, &[&str]); 30] = [
             "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
+            // For `bode`, a run of the library.
+            "lashloop-response",
         ],
     ),
     // A drive is checked without a bench.
@@ -78,6 +81,7 @@ const ALLOWED: [(&str, &[&str]); 30] = [
             "lashloop-record",
             "lashloop-campaign",
             "lashloop-plot",
+            "lashloop-response",
         ],
     ),
     (
@@ -106,6 +110,7 @@ const ALLOWED: [(&str, &[&str]); 30] = [
             "lashloop-hardware",
             "lashloop-campaign",
             "lashloop-report",
+            "lashloop-response",
             "lashloop-live",
             "merzouki-2005",
             "battery",
@@ -128,6 +133,7 @@ const ALLOWED: [(&str, &[&str]); 30] = [
             "lashloop-hardware",
             "lashloop-campaign",
             "lashloop-report",
+            "lashloop-response",
             "battery",
             "lashloop-cli",
         ],

@@ -73,7 +73,7 @@ impl Scale {
 
     fn ticks(&self) -> Vec<(f64, String)> {
         match self {
-            Self::Linear(ticks) => ticks.labelled().collect(),
+            Self::Linear(ticks) => ticks.labelled(),
             Self::Decades { first, last } => {
                 let step = (last - first + 6) / 7;
                 let exponents = (*first..=*last).step_by(step.max(1) as usize);
