@@ -69,7 +69,7 @@ mod tests {
         );
         let column = UnknownName::new("the record", "signal", "speed", ["torque_nm", "drive.speed_rad_s"]);
         assert_eq!(column.nearest.as_deref(), Some("drive.speed_rad_s"));
-        assert!(error("PD").contains("did you mean pd?"), "case is no difference of meaning");
+        assert!(error("PD").contains("did you mean pd?"), "case makes a difference of spelling only");
         assert_eq!(error("lqr"), "the drive has no law of this name; it has pd, merzouki");
         let nothing = UnknownName::new("the drive", "signal", "x", []).to_string();
         assert_eq!(nothing, "the drive has no signal of this name; it has none");
