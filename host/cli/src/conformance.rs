@@ -134,10 +134,11 @@ impl Arguments {
             );
         }
         Ok(match (failed, not_judged) {
+            // A rule is broken even if the rest was not run.
+            (1.., _) => Exit::Fail,
             _ if supervisor.interrupted() => Exit::Invalid,
             (0, 0) => Exit::Pass,
             (0, _) => Exit::DeviceOrLink,
-            _ => Exit::Fail,
         })
     }
 }

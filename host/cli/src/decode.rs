@@ -41,6 +41,7 @@ impl Arguments {
             out: BufWriter::new(io::stdout().lock()),
             json: self.json,
             counted: Counters::default(),
+            is_empty: true,
         };
         let printed = if head == pcapng::MAGIC {
             source.read_to_end(&mut head).map_err(unreadable)?;
@@ -70,6 +71,8 @@ struct Printer<W: Write> {
     json: bool,
     /// All frames, at the end.
     counted: Counters,
+    /// Whether there was nothing to decode.
+    is_empty: bool,
 }
 
 /// The inner error is that of the output.
@@ -80,6 +83,7 @@ impl<W: Write> Printer<W> {
         let mut reader = StreamReader::default();
         let mut printed = self.heading(false);
         let mut buffer = [0; 1 << 16];
+        self.is_empty = head.is_empty();
         reader.push(head, |entry| self.entry(&entry, &mut printed));
         while printed.is_ok() {
             match source.read(&mut buffer) {
@@ -98,6 +102,7 @@ impl<W: Write> Printer<W> {
     }
 
     fn capture(&mut self, bytes: &[u8], path: &Path) -> Printed {
+        self.is_empty = false;
         let mut reader = PacketReader::default();
         let mut printed = self.heading(true);
         let mut broken = None;

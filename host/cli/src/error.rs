@@ -41,8 +41,10 @@ use super::png::PngError;
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
-    #[error("{}: not one good frame; it holds no stream of this protocol, or its beginning is another tool's", path.display())]
+    #[error("{}: not one good frame; it isn't a stream of this protocol, or it begins with the data of another program", path.display())]
     NoMessage { path: PathBuf },
+    #[error("--panel {panel}: a campaign has no signals; report the record of one of its runs")]
+    PanelOfCampaign { panel: String },
     #[error("--core {core} can't be used: this process may run on {}", cores(usable))]
     Core { core: usize, usable: Vec<usize> },
     #[error("{option} needs --clock real-time; lockstep has no deadlines")]
@@ -159,6 +161,7 @@ impl CliError {
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
             | Self::NoMessage { .. }
+            | Self::PanelOfCampaign { .. }
             | Self::Core { .. }
             | Self::NoStore
             | Self::Unconfirmed

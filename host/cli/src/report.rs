@@ -38,7 +38,12 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let text = match &self.records[..] {
-            [folder] if campaign_report::is_campaign(folder) => campaign_report::page_of(folder, bench)?,
+            [folder] if campaign_report::is_campaign(folder) => {
+                if let Some(panel) = self.panels.first() {
+                    return Err(CliError::PanelOfCampaign { panel: panel.clone() });
+                }
+                campaign_report::page_of(folder, bench)?
+            }
             [folder] => {
                 let run = read(folder)?;
                 page::run(&run, &self.panels(slice::from_ref(&run))?)
@@ -63,7 +68,8 @@ impl Arguments {
     }
 
     fn panels(&self, runs: &[page::Run]) -> Result<page::Panels, CliError> {
-        let lists: Vec<_> = self.panels.iter().map(|it| it.split(',').map(str::to_owned).collect()).collect();
+        let lists: Vec<_> =
+            self.panels.iter().map(|it| it.split(',').map(|name| name.trim().to_owned()).collect()).collect();
         Ok(page::Panels::of(runs, &lists)?)
     }
 }

@@ -35,7 +35,7 @@ use super::supervision::start_supervisor;
 /// number of the run. Each run opens the drive again; a first run without a step ends the soak. Answer timeout: 100 ms; longest silence: 10 s. Growth limits: 8 MiB
 /// and 4 descriptors for the bench after its first cycle, 8 MiB and 2 descriptors for the drive's process within a run.
 /// Exit code 1 if a run hangs (no step in --hang-limit), fails or exceeds a growth limit, if its verdict contradicts its counters,
-/// or if a damaged frame is not counted; 3 if it is interrupted before.
+/// or if a damaged frame is not counted; 3 if it is interrupted without any of these.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Duration, such as 90s, 10m or 8h; the last run is completed

@@ -31,7 +31,7 @@ pub(super) fn limited(upgrade: WebSocketUpgrade) -> WebSocketUpgrade {
 /// Serves a client until it leaves or the run ends.
 pub(super) async fn serve(socket: WebSocket, reader: Reader) {
     let (sink, mut source) = socket.split();
-    let (client, asked) = (Mutex::new(Client::default()), Notify::new());
+    let (client, asked) = (Mutex::new(Client::new(0)), Notify::new());
     let requests = async {
         while let Some(Ok(frame)) = source.next().await {
             if let Frame::Text(text) = frame {
@@ -68,11 +68,12 @@ impl<S: futures_util::Sink<Frame> + Unpin> Sending<'_, S> {
         let (mut is_introduced, mut place, mut begins) = (false, 0, None);
         loop {
             changes.borrow_and_update();
-            if !is_introduced && let Some(texts) = self.feed.introduction() {
+            if !is_introduced && let Some(run) = self.feed.introduction() {
                 is_introduced = true;
-                self.send(texts.iter().map(|text| Frame::text(&**text)).collect()).await?;
+                lock(self.client).advertise(run.channels);
+                self.send(run.texts.iter().map(|text| Frame::text(&**text)).collect()).await?;
             }
-            if let Some(answer) = { lock(self.client).answer.take() } {
+            if is_introduced && let Some(answer) = { lock(self.client).answer.take() } {
                 self.send(vec![Frame::text(answer)]).await?;
             }
             let now = Instant::now();
@@ -86,7 +87,7 @@ impl<S: futures_util::Sink<Frame> + Unpin> Sending<'_, S> {
                 if !messages.is_empty() {
                     let frames = {
                         let client = lock(self.client);
-                        messages.iter().flat_map(|it| client.frames(it)).map(Frame::binary).collect()
+                        messages.iter().filter_map(|it| client.frame(it)).map(Frame::binary).collect()
                     };
                     self.send(frames).await?;
                     continue;
@@ -119,6 +120,8 @@ impl<S: futures_util::Sink<Frame> + Unpin> Sending<'_, S> {
             }
             self.sink.flush().await
         };
-        tokio::time::timeout(SEND_LIMIT, all).await.map_err(|_| Left)?.map_err(|_: S::Error| Left)
+        tokio::time::timeout(SEND_LIMIT, all).await.map_err(|_| Left)?.map_err(|_: S::Error| Left)?;
+        self.feed.note_taken();
+        Ok(())
     }
 }

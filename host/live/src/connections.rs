@@ -6,12 +6,16 @@ use std::net::SocketAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
+use std::time::Duration;
 
 use axum::serve::Listener;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::{Sleep, sleep};
 
+/// Time for a request, from the start of its connection to the answer. A silent connection would keep others out.
+const REQUEST_LIMIT: Duration = Duration::from_secs(5);
 /// Most connections at a time. Further ones wait in the system's queue.
 const MOST: usize = 64;
 
@@ -35,7 +39,7 @@ impl Listener for Connections {
         // The semaphore is never closed.
         let permit = Arc::clone(&self.free).acquire_owned().await.ok();
         let (stream, address) = Listener::accept(&mut self.listener).await;
-        (Connection { stream, _permit: permit }, address)
+        (Connection { stream, _permit: permit, request_due: Some(Box::pin(sleep(REQUEST_LIMIT))) }, address)
     }
 
     fn local_addr(&self) -> io::Result<SocketAddr> {
@@ -47,6 +51,8 @@ impl Listener for Connections {
 pub(super) struct Connection {
     stream: TcpStream,
     _permit: Option<OwnedSemaphorePermit>,
+    /// When its request must have been answered; `None` once it is.
+    request_due: Option<Pin<Box<Sleep>>>,
 }
 
 impl AsyncRead for Connection {
@@ -55,12 +61,18 @@ impl AsyncRead for Connection {
         cx: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
+        if let Some(due) = &mut self.request_due
+            && due.as_mut().poll(cx).is_ready()
+        {
+            return Poll::Ready(Err(io::ErrorKind::TimedOut.into()));
+        }
         Pin::new(&mut self.stream).poll_read(cx, buffer)
     }
 }
 
 impl AsyncWrite for Connection {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        self.request_due = None;
         Pin::new(&mut self.stream).poll_write(cx, bytes)
     }
 

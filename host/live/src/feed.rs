@@ -4,12 +4,13 @@
 //! slow reader costs nothing, and a late one begins with the history. No lock is held for longer than it takes to copy one
 //! chunk, and the run never waits for it.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::watch;
 
 use super::envelope::{Chunk, History};
+use super::foxglove::Introduction;
 use super::messages::{Message, Messages};
 
 /// Buckets of one message.
@@ -24,6 +25,8 @@ pub(super) struct Feed {
     /// Whether there ever was a reader.
     visited: AtomicBool,
     stop: AtomicBool,
+    /// Messages that readers have taken.
+    taken: AtomicU64,
 }
 
 #[derive(Debug, Default)]
@@ -32,7 +35,7 @@ pub(super) struct State {
     pub(super) description: Option<Arc<str>>,
     pub(super) histories: Vec<History>,
     /// What the run is, as a client of Foxglove takes it; absent before its start.
-    pub(super) introduction: Option<Arc<[String; 2]>>,
+    pub(super) introduction: Option<Arc<Introduction>>,
     pub(super) messages: Messages,
     status: Option<Arc<str>>,
     /// Number of the status.
@@ -74,6 +77,7 @@ impl Feed {
             readers: watch::Sender::new(0),
             visited: AtomicBool::new(false),
             stop: AtomicBool::new(false),
+            taken: AtomicU64::new(0),
         }
     }
 
@@ -120,7 +124,7 @@ impl Feed {
     }
 
     /// What the run is, as a client of Foxglove takes it; `None` before its start.
-    pub(super) fn introduction(&self) -> Option<Arc<[String; 2]>> {
+    pub(super) fn introduction(&self) -> Option<Arc<Introduction>> {
         self.lock().introduction.clone()
     }
 
@@ -132,6 +136,16 @@ impl Feed {
     /// The last text, once the run has ended.
     pub(super) fn ended(&self) -> Option<Arc<str>> {
         self.lock().end.clone()
+    }
+
+    /// A reader has taken messages.
+    pub(super) fn note_taken(&self) {
+        self.taken.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Changes whenever a reader takes messages.
+    pub(super) fn taken(&self) -> u64 {
+        self.taken.load(Ordering::Relaxed)
     }
 
     /// Changes from now on.

@@ -6,7 +6,7 @@
 //! | `serverInfo`, `advertise` | the run, and its topics with their schemas; first |
 //! | binary 1 | u32 subscription, u64 log time in ns, both little-endian, then a message in CDR |
 //! | `status` | the answer to a request that isn't served; the verdict; last |
-//! | `subscribe`, `unsubscribe`, from the client | the only requests: nobody stops a run by this way |
+//! | `subscribe`, `unsubscribe`, from the client | the only requests: such a client can't stop the run |
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -17,8 +17,6 @@ use super::messages::Message;
 
 /// Names of the protocol, the preferred one first.
 pub(super) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
-/// Most subscriptions of a client.
-const SUBSCRIPTIONS: usize = 32;
 const MESSAGE_DATA: u8 = 1;
 
 /// Level of a status.
@@ -33,13 +31,22 @@ fn status(level: Level, message: &str) -> String {
     json!({"op": "status", "level": level as u8, "message": message}).to_string()
 }
 
+/// What a run is to a client.
+#[derive(Debug)]
+pub(super) struct Introduction {
+    /// The first two messages.
+    pub(super) texts: [String; 2],
+    /// The number of channels, which have the numbers from 1.
+    pub(super) channels: usize,
+}
+
 /// The first two messages. `metadata` says what is run; `session` is a text that no other run has.
 pub(super) fn introduction(
     name: &str,
     metadata: &[(&str, &str)],
     session: &str,
     topics: &[Topic],
-) -> [String; 2] {
+) -> Introduction {
     let metadata: serde_json::Map<_, _> =
         metadata.iter().map(|(name, value)| ((*name).to_owned(), Value::from(*value))).collect();
     let channel = |(id, topic): (usize, &Topic)| {
@@ -53,11 +60,12 @@ pub(super) fn introduction(
         })
     };
     let channels: Vec<_> = (1..).zip(topics).map(channel).collect();
-    [
+    let texts = [
         json!({"op": "serverInfo", "name": name, "capabilities": [], "metadata": metadata, "sessionId": session}),
         json!({"op": "advertise", "channels": channels}),
     ]
-    .map(|it| it.to_string())
+    .map(|it| it.to_string());
+    Introduction { texts, channels: channels.len() }
 }
 
 /// The last message: the verdict with its reasons, from the end of the run as the page takes it.
@@ -92,20 +100,36 @@ struct Subscription {
     channel_id: u64,
 }
 
-/// What a client has asked for.
-#[derive(Debug, Default)]
+/// What a client has asked for: at most one subscription to each channel, so that a message goes to it once.
+#[derive(Debug)]
 pub(super) struct Client {
+    /// Number of the last channel.
+    channels: u64,
     subscriptions: Vec<Subscription>,
     /// The answer to its latest request; one at a time, however many it sends.
     pub(super) answer: Option<String>,
 }
 
 impl Client {
+    /// Without a channel, before the run is known.
+    pub(super) fn new(channels: usize) -> Self {
+        Self { channels: channels as u64, subscriptions: Vec::new(), answer: None }
+    }
+
+    /// The run has this many channels.
+    pub(super) fn advertise(&mut self, channels: usize) {
+        self.channels = channels as u64;
+    }
+
     /// Takes a text of the client.
     pub(super) fn request(&mut self, text: &str) {
         let refusal = match serde_json::from_str(text) {
             Ok(Request::Subscribe { subscriptions }) => {
-                subscriptions.into_iter().find_map(|it| self.subscribe(it).err())
+                // Each by itself: a client asks for all that it shows in one request.
+                let mut refusals: Vec<_> =
+                    subscriptions.into_iter().filter_map(|it| self.subscribe(it).err()).collect();
+                refusals.truncate(2);
+                (!refusals.is_empty()).then(|| refusals.join("; "))
             }
             Ok(Request::Unsubscribe { subscription_ids }) => {
                 self.subscriptions.retain(|it| !subscription_ids.contains(&it.id));
@@ -120,11 +144,18 @@ impl Client {
     }
 
     fn subscribe(&mut self, new: Subscription) -> Result<(), String> {
-        if self.subscriptions.len() >= SUBSCRIPTIONS {
-            return Err(format!("a client can have {SUBSCRIPTIONS} subscriptions at most"));
+        let Subscription { id, channel_id } = new;
+        if !(1..=self.channels).contains(&channel_id) {
+            return Err(format!(
+                "channel {channel_id} isn't advertised; the channels are 1 to {}",
+                self.channels
+            ));
         }
-        if self.subscriptions.iter().any(|it| it.id == new.id) {
-            return Err(format!("subscription {} exists", new.id));
+        if self.subscriptions.iter().any(|it| it.id == id) {
+            return Err(format!("subscription {id} already exists"));
+        }
+        if self.subscriptions.iter().any(|it| it.channel_id == channel_id) {
+            return Err(format!("channel {channel_id} already has a subscription"));
         }
         self.subscriptions.push(new);
         Ok(())
@@ -134,17 +165,16 @@ impl Client {
         !self.subscriptions.is_empty()
     }
 
-    /// A message as each subscription takes it.
-    pub(super) fn frames(&self, message: &Message) -> impl Iterator<Item = Vec<u8>> {
+    /// A message as its subscription takes it; `None` without one.
+    pub(super) fn frame(&self, message: &Message) -> Option<Vec<u8>> {
         let channel = message.topic as u64 + 1;
-        self.subscriptions.iter().filter(move |it| it.channel_id == channel).map(|it| {
-            let mut frame = Vec::with_capacity(13 + message.data.len());
-            frame.push(MESSAGE_DATA);
-            frame.extend_from_slice(&it.id.to_le_bytes());
-            frame.extend_from_slice(&message.log_time_ns.to_le_bytes());
-            frame.extend_from_slice(&message.data);
-            frame
-        })
+        let Subscription { id, .. } = self.subscriptions.iter().find(|it| it.channel_id == channel)?;
+        let mut frame = Vec::with_capacity(13 + message.data.len());
+        frame.push(MESSAGE_DATA);
+        frame.extend_from_slice(&id.to_le_bytes());
+        frame.extend_from_slice(&message.log_time_ns.to_le_bytes());
+        frame.extend_from_slice(&message.data);
+        Some(frame)
     }
 }
 
@@ -154,32 +184,45 @@ mod tests {
 
     #[test]
     fn a_client_gets_the_topics_that_it_asks_for_under_its_own_numbers() {
-        let mut client = Client::default();
+        let mut client = Client::new(4);
         client
             .request(r#"{"op":"subscribe","subscriptions":[{"id":7,"channelId":2},{"id":8,"channelId":1}]}"#);
         let message = Message { topic: 1, log_time_ns: 0x0102, data: [0, 1, 0, 0, 9].as_slice().into() };
-        let frames: Vec<_> = client.frames(&message).collect();
-        assert_eq!(frames, [[1, 7, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 9]]);
+        let frame = client.frame(&message).expect("a frame");
+        assert_eq!(frame, [1, 7, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 9]);
         client.request(r#"{"op":"unsubscribe","subscriptionIds":[7]}"#);
-        assert_eq!(client.frames(&message).count(), 0);
+        assert_eq!(client.frame(&message), None);
         assert!(client.is_subscribed() && client.answer.is_none());
     }
 
     #[test]
     fn what_is_not_served_is_answered_and_bounded() {
-        let mut client = Client::default();
+        let mut client = Client::new(4);
         for text in ["{", "[]", r#"{"op":"setParameters","parameters":[]}"#, r#"{"op":"subscribe"}"#] {
             client.request(text);
             let answer = client.answer.take().expect("an answer");
             assert!(answer.contains(r#""op":"status""#), "{text}: {answer}");
         }
         for id in 0..1_000 {
-            client.request(&format!(r#"{{"op":"subscribe","subscriptions":[{{"id":{id},"channelId":1}}]}}"#));
+            client.request(&format!(
+                r#"{{"op":"subscribe","subscriptions":[{{"id":{id},"channelId":{}}}]}}"#,
+                id % 9
+            ));
         }
-        assert_eq!(client.subscriptions.len(), SUBSCRIPTIONS);
-        client.request(r#"{"op":"unsubscribe","subscriptionIds":[3]}"#);
-        client.request(r#"{"op":"subscribe","subscriptions":[{"id":4,"channelId":1}]}"#);
-        assert!(client.answer.expect("an answer").contains("subscription 4 exists"));
+        assert_eq!(client.subscriptions.len(), 4, "one for each channel");
+    }
+
+    #[test]
+    fn a_refused_subscription_takes_none_of_the_others() {
+        let mut client = Client::new(2);
+        let text = r#"{"op":"subscribe","subscriptions":[
+            {"id":1,"channelId":99},{"id":1,"channelId":1},{"id":2,"channelId":1},{"id":3,"channelId":2}]}"#;
+        client.request(text);
+        let ids: Vec<_> = client.subscriptions.iter().map(|it| (it.id, it.channel_id)).collect();
+        assert_eq!(ids, [(1, 1), (3, 2)]);
+        let answer = client.answer.expect("an answer");
+        assert!(answer.contains("channel 99 isn't advertised; the channels are 1 to 2"), "{answer}");
+        assert!(answer.contains("channel 1 already has a subscription"), "{answer}");
     }
 
     #[test]

@@ -99,7 +99,7 @@ pub(super) fn panels(columns: &[Signal]) -> Vec<Panel> {
     let of_templates: Vec<_> = templates(columns).collect();
     let is_left = |column: &usize| {
         let shown = of_templates.iter().flat_map(|panel| &panel.curves);
-        !INTERNAL.contains(&&*columns[*column].name) && shown.into_iter().all(|curve| curve.column != *column)
+        shown.into_iter().all(|curve| curve.column != *column)
     };
     let left: Vec<usize> = (0..columns.len()).filter(is_left).collect();
     let (own, plant): (Vec<_>, Vec<_>) =
@@ -111,23 +111,23 @@ pub(super) fn panels(columns: &[Signal]) -> Vec<Panel> {
     first.into_iter().chain(own).chain(of_templates).chain(plant).collect()
 }
 
-/// Columns that no panel shows for themselves.
-const INTERNAL: [&str; 2] = ["contact", "telemetry_time_s"];
-
 /// A panel for each unit, more if the colours don't suffice.
 fn by_unit(columns: &[Signal], of: &[usize], what: &str, is_open: bool) -> Vec<Panel> {
     let mut panels: Vec<Panel> = Vec::new();
     for &column in of {
         let Signal { name, unit } = &columns[column];
         let curve = Curve { label: name.to_string(), column, role: Role::Signal };
+        // Each title is the name of a button.
+        let earlier = panels.iter().filter(|it| it.unit == **unit).count();
+        let number = if earlier > 0 { format!(", {}", earlier + 1) } else { String::new() };
         let has_room = |it: &&mut Panel| it.unit == **unit && it.curves.len() < MOST_CURVES;
         match panels.iter_mut().find(has_room) {
             Some(panel) => panel.curves.push(curve),
             None => panels.push(Panel {
                 title: if unit.is_empty() {
-                    format!("{what} without a unit")
+                    format!("{what} without a unit{number}")
                 } else {
-                    format!("{what} in {unit}")
+                    format!("{what} in {unit}{number}")
                 },
                 unit: unit.to_string(),
                 is_open,
@@ -199,11 +199,11 @@ mod tests {
             ("Twist and gap", true, 1),
             ("Timing", true, 2),
             ("Signals in rad", false, 1),
+            ("Signals without a unit", false, 1),
             ("Signals in J", false, 1),
         ];
         assert_eq!(shown, expected);
         let all: Vec<_> = panels.iter().flat_map(|it| &it.curves).map(|it| it.column).collect();
-        let internal = columns.iter().filter(|it| INTERNAL.contains(&&*it.name)).count();
-        assert_eq!(all.len() + internal, columns.len(), "every signal has a place");
+        assert_eq!(all.len(), columns.len(), "every signal has a place");
     }
 }

@@ -56,6 +56,7 @@ pub(super) async fn serve(socket: WebSocket, reader: Reader) {
                 if !matches!(tokio::time::timeout(SEND_LIMIT, sink.send(message)).await, Ok(Ok(()))) {
                     return;
                 }
+                feed.note_taken();
                 if is_end {
                     let _ = sink.close().await;
                     return;

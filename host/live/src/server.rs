@@ -11,7 +11,7 @@ use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{FromRequestParts, State};
 use axum::http::header::{
-    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, REFERRER_POLICY,
+    CACHE_CONTROL, CONNECTION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, REFERRER_POLICY,
 };
 use axum::http::request::Parts;
 use axum::http::{HeaderName, StatusCode};
@@ -30,8 +30,9 @@ use super::publisher::{Publisher, json};
 use super::reader;
 use super::status::Ending;
 
-/// Time for the readers to take the end of a run.
+/// Time for the readers to take more of a run that has ended, and to take all of it.
 const FAREWELL: Duration = Duration::from_secs(1);
+const LONGEST_FAREWELL: Duration = Duration::from_secs(20);
 /// What the system keeps for a reader that takes nothing: a few messages. A larger buffer would show it old samples.
 const SEND_BUFFER_BYTES: u32 = 64 << 10;
 /// Connections that may wait to be accepted.
@@ -115,7 +116,8 @@ impl Live {
         }
     }
 
-    /// Sends the end to every reader and ends the server. A reader that takes nothing holds it up for a second at most.
+    /// Sends the end to every reader and ends the server. A reader that takes nothing holds it up for a second, a slow one for
+    /// 20 s at most.
     pub fn finish(mut self, ending: &Ending) {
         self.feed.end(json(ending));
         self.shut_down();
@@ -183,7 +185,7 @@ struct Site {
 }
 
 async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receiver<()>) {
-    let mut readers = site.feed.readers();
+    let (mut readers, feed) = (site.feed.readers(), Arc::clone(&site.feed));
     let router = Router::new()
         .route("/", get(root))
         .route("/live.js", get(async |_: Permitted| asset("text/javascript; charset=utf-8", SCRIPT)))
@@ -193,7 +195,15 @@ async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receive
     tokio::select! {
         _ = axum::serve(Connections::new(listener), router).into_future() => {}
         _ = stopped => {
-            let _ = tokio::time::timeout(FAREWELL, readers.wait_for(|readers| *readers == 0)).await;
+            let ended = Instant::now();
+            let mut taken = None;
+            // A slow reader gets the rest, and one that takes nothing holds up the end for a second.
+            while taken.replace(feed.taken()) != Some(feed.taken()) && ended.elapsed() < LONGEST_FAREWELL {
+                let _ = tokio::time::timeout(FAREWELL, readers.wait_for(|readers| *readers == 0)).await;
+                if *readers.borrow() == 0 {
+                    break;
+                }
+            }
         }
     }
 }
@@ -226,7 +236,9 @@ async fn watch(_: Authorised, State(site): State<Arc<Site>>, upgrade: WebSocketU
 }
 
 /// The page loads nothing from elsewhere, and its URL, which may have a token, goes nowhere.
-const HEADERS: [(HeaderName, &str); 3] = [
+const HEADERS: [(HeaderName, &str); 4] = [
+    // An idle connection keeps others out.
+    (CONNECTION, "close"),
     (CACHE_CONTROL, "no-store"),
     (REFERRER_POLICY, "no-referrer"),
     (

@@ -189,8 +189,11 @@ fn description(record: &Record) -> String {
     format!("{scenario}; {drive}; law {law}; {verdict}")
 }
 
-/// A text within XML.
+/// A text within XML, which has no place for control characters.
 fn escaped(text: &str) -> String {
+    let is_foreign =
+        |it: char| it.is_control() && !matches!(it, '\t' | '\n') || matches!(it, '\u{fffe}' | '\u{ffff}');
+    let text: String = text.chars().map(|it| if is_foreign(it) { '\u{fffd}' } else { it }).collect();
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -52,7 +52,7 @@ fn an_interrupted_soak_ends_with_the_summary_so_far() {
     assert!(ended.stdout.contains("1 runs, interrupted after "), "{}", ended.stdout);
     assert!(
         ended.stdout.ends_with("\nINVALID\n"),
-        "less than the asked time shows nothing: {}",
+        "a soak that was cut short proves nothing: {}",
         ended.stdout
     );
     assert_eq!(runs_of_levels(&ended.stdout), [0; 6], "a run that was cut short is none of a level");

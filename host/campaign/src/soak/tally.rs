@@ -110,7 +110,7 @@ impl Tally {
 }
 
 impl Tally {
-    /// A problem is one, whatever came later; less than the asked time without a problem shows nothing.
+    /// FAIL with any problem. Without one, a soak that was cut short proves nothing.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match (self.problems.is_empty(), self.interrupted) {

@@ -259,6 +259,19 @@ fn other_machines_need_the_token() {
     assert_eq!(run.end().0, Some(0));
 }
 
+#[test]
+fn silent_connections_keep_nobody_out() {
+    let run = Run::start(600.0, &["--clock", "real-time", "--live-token=0123456789abcdef"]);
+    let authority = run.url.split_once('/').unwrap().0.to_owned();
+    let silent: Vec<_> = (0..64).map(|_| TcpStream::connect(&authority).unwrap()).collect();
+    // It waits until the server has closed one of them.
+    let mut page = run.connect();
+    Received::read(&mut page, |received| !received.samples.is_empty());
+    drop(silent);
+    page.send(Message::text("stop")).unwrap();
+    assert_eq!(run.end().0, Some(3));
+}
+
 const SUBPROTOCOL: &str = "sec-websocket-protocol";
 
 /// The status of the answer to a handshake that is refused.
@@ -295,8 +308,11 @@ fn clients_that_ask_and_ping_and_never_read_take_their_bound_and_no_more() {
     Received::read(&mut page, |received| !received.samples.is_empty());
     let foxglove = || run.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1")]).unwrap();
     let mut hostile = [run.connect(), foxglove(), foxglove()];
-    let subscribe = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]}"#;
-    hostile[2].send(Message::text(subscribe)).unwrap();
+    let subscribe =
+        |id: u32| format!(r#"{{"op":"subscribe","subscriptions":[{{"id":{id},"channelId":1}}]}}"#);
+    for id in 0..100 {
+        hostile[2].send(Message::text(subscribe(id))).unwrap();
+    }
     let before = run.resident_bytes();
     for client in &mut hostile {
         let MaybeTlsStream::Plain(stream) = client.get_ref() else { panic!("no TLS here") };

@@ -1,4 +1,4 @@
-//! The estimates as a model of another simulator: two inertias, half a gap each way, a spring that pushes only, and friction.
+//! The estimates as a model of another simulator: two inertias, a gap, a spring that only pushes, and friction.
 //!
 //! All quantities of shaft and gap are at the motor, as in [`plant_toml`](super::files::plant_toml): the twist is the angle of the
 //! motor minus the ratio times that of the load.
@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use lashloop_identify::Identified;
+use lashloop_plant::Mechanics;
 
 use super::files::{interval, shown};
 
@@ -75,6 +76,16 @@ fn value(identified: &Identified, name: &str) -> String {
     quantity(identified, name).0
 }
 
+/// A time step, in s: a whole fraction of 1 ms, and at most a twentieth of the period of the shaft's mode.
+fn step_s(identified: &Identified) -> f64 {
+    let Mechanics { motor_inertia_kg_m2, load_inertia_kg_m2, ratio, stiffness_nm_rad, .. } =
+        identified.mechanics;
+    let mode_rad_s =
+        (stiffness_nm_rad * (1.0 / motor_inertia_kg_m2 + ratio * ratio / load_inertia_kg_m2)).sqrt();
+    let steps = (20.0 * 1e-3 * mode_rad_s / std::f64::consts::TAU).ceil().clamp(10.0, 1_000.0);
+    1e-3 / steps
+}
+
 /// A hinge for each inertia. A tendon between them has the ratio, and a spring that is slack in the gap.
 fn mujoco(identified: &Identified) -> String {
     let mut text = "<!-- Estimates of lashloop, with 95 % intervals:\n".to_owned();
@@ -88,15 +99,17 @@ fn mujoco(identified: &Identified) -> String {
     let [motor_coulomb, load_coulomb] = ["motor_coulomb_nm", "load_coulomb_nm"].map(of);
     let [ratio, stiffness, damping] =
         ["reduction_ratio", "stiffness_nm_rad", "shaft_damping_nm_s_rad"].map(of);
+    let step_s = step_s(identified);
     let lag_s = identified.likely("current_lag_ms").unwrap_or(0.0) / 1e3;
     // Friction is a soft constraint; these are hard enough for a load that sticks.
     let sticks = r#"solreffriction="0.001 1" solimpfriction="0.9999 0.9999 0.001 0.5 2""#;
     let _ = write!(
         text,
         r#"     The damping of a tendon acts in the gap too, that of the shaft in contact only. The offset of the torque is left out.
-     A time step of a twentieth of the period of the shaft's mode, or less, keeps the contact. -->
+     Stiction, Stribeck effect, asymmetry of the friction and cogging are left out.
+     The time step is at most a twentieth of the period of the shaft's mode. -->
 <mujoco model="drive">
-  <option timestep="0.0001" gravity="0 0 0" integrator="implicitfast"/>
+  <option timestep="{step_s}" gravity="0 0 0" integrator="implicitfast"/>
   <worldbody>
     <body name="motor">
       <joint name="motor" type="hinge" axis="0 0 1" damping="{motor_friction}" frictionloss="{motor_coulomb}" {sticks}/>
@@ -123,7 +136,7 @@ fn mujoco(identified: &Identified) -> String {
 }
 
 fn modelica(identified: &Identified) -> String {
-    let mut text = "model Drive \"Estimates of lashloop, with 95 % intervals\"\n".to_owned();
+    let mut text = "model Drive \"Estimates of lashloop, with 95 % intervals; without stiction, Stribeck effect and cogging\"\n".to_owned();
     for (name, symbol, unit) in QUANTITIES {
         let (value, interval) = quantity(identified, name);
         let declaration = format!("parameter Real {symbol}(unit = \"{unit}\") = {value}");
@@ -224,7 +237,7 @@ const LINES: [(&str, &str); 32] = [
 
 fn simulink(identified: &Identified) -> String {
     let mut text =
-        "% Estimates of lashloop, with 95 % intervals. Run it in MATLAB: it builds the diagram `drive`.\n\
+        "% Estimates of lashloop, with 95 % intervals. Run it in MATLAB: it builds the diagram `drive`.\n% Stiction, Stribeck effect, asymmetry of the friction and cogging are left out.\n\
                     % At the end of a contact the damping may pull for a moment; the estimates are of a contact that never does.\n"
             .to_owned();
     for (name, symbol, unit) in QUANTITIES {

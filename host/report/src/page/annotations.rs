@@ -33,7 +33,8 @@ pub(super) fn of_step(run: &Run) -> (Vec<Mark>, Vec<Band>) {
     let (_, fraction, name) = SETTLING[0];
     let half_rad = fraction * way_rad.abs();
     let [low, high] = [-half_rad, half_rad].map(|it| Some(reference_rad + it));
-    (notes, vec![Band { name, from: 0.0, to: end_s, low, high }])
+    let name = name.to_owned();
+    (notes, vec![Band { name, is_expected: false, from: 0.0, to: end_s, low, high }])
 }
 
 /// Reference, way of the load to it, and time of the last step; `None` if the reference moves, or the load has no way.
@@ -55,31 +56,45 @@ fn first_at(run: &Run, position_rad: f64) -> Option<f64> {
 /// What the scenario expects of the values of a signal, in the windows of the expectations.
 pub(super) fn of_signal(run: &Run, name: &str) -> Vec<Band> {
     let expectations = run.record.summary.iter().flat_map(|it| &it.expectations);
-    let end_s = run.times_s().last().copied().unwrap_or_default();
-    expectations.filter_map(|it| band(it, name, end_s)).collect()
+    expectations.filter_map(|it| band(run, it, name)).collect()
 }
 
-fn band(expectation: &JudgedExpectation, name: &str, end_s: f64) -> Option<Band> {
+/// Distance from the reference within which `settle_time_s` counts, in rad.
+const SETTLED_RAD: f64 = 0.05;
+/// Time at the end of a window that `static_error_rad` is of.
+const STATIC_S: f64 = 1.0;
+
+fn band(run: &Run, expectation: &JudgedExpectation, name: &str) -> Option<Band> {
     let JudgedExpectation { quantity, window, min, max, .. } = expectation;
-    let (signal, statistic) = match quantity {
-        Quantity::Statistic { signal, statistic } => (&**signal, *statistic),
-        Quantity::Metric(Metric::PeakTorque) => ("torque_nm", Statistic::Peak),
-        Quantity::Metric(Metric::PeakTrackingError) => ("error_rad", Statistic::Peak),
-        Quantity::Metric(_) => return None,
+    let end_s = run.times_s().last().copied().unwrap_or_default();
+    let (from_s, to_s) = window.map_or((0.0, end_s), |it| (it.from_s, it.to_s.unwrap_or(end_s)));
+    let around = |half: f64| (Some(-half), Some(half));
+    let first_error_rad = || {
+        let at = run.times_s().partition_point(|time_s| *time_s < from_s);
+        Some((run.column("load_position_rad")?.get(at)? - run.column("reference_rad")?.get(at)?).abs())
     };
-    if signal != name {
-        return None;
-    }
-    // Only these bound every value of the window.
-    let (low, high) = match statistic {
-        Statistic::Min => (*min, None),
-        Statistic::Max => (None, *max),
-        Statistic::Peak => (max.map(|it| -it), *max),
-        _ => return None,
+    let (signal, from, (low, high)) = match quantity {
+        // Only these bound every value of the window.
+        Quantity::Statistic { signal, statistic: Statistic::Min } => (&**signal, from_s, (*min, None)),
+        Quantity::Statistic { signal, statistic: Statistic::Max } => (&**signal, from_s, (None, *max)),
+        Quantity::Statistic { signal, statistic: Statistic::Peak } => (&**signal, from_s, around((*max)?)),
+        Quantity::Metric(Metric::PeakTorque) => ("torque_nm", from_s, around((*max)?)),
+        Quantity::Metric(Metric::PeakTrackingError) => (ERROR, from_s, around((*max)?)),
+        Quantity::Metric(Metric::StaticError) => (ERROR, (to_s - STATIC_S).max(from_s), (*min, *max)),
+        Quantity::Metric(Metric::SettleTime) => (ERROR, from_s + (*max)?, around(SETTLED_RAD)),
+        Quantity::Metric(metric) => {
+            let (_, fraction, _) = SETTLING.iter().find(|(it, ..)| it == metric)?;
+            (ERROR, from_s + (*max)?, around(fraction * first_error_rad()?))
+        }
+        Quantity::Statistic { .. } => return None,
     };
-    let (from, to) = window.map_or((0.0, end_s), |it| (it.from_s, it.to_s.unwrap_or(end_s)));
-    (low.is_some() || high.is_some()).then_some(Band { name: "expected", from, to, low, high })
+    let has_limit = low.is_some() || high.is_some();
+    let name = (signal == name && has_limit).then(|| format!("expected of {name}"))?;
+    Some(Band { name, is_expected: true, from, to: to_s, low, high })
 }
+
+/// Column of the load's position minus its reference.
+const ERROR: &str = "error_rad";
 
 #[cfg(test)]
 mod tests {
@@ -114,7 +129,14 @@ mod tests {
         let position = chart(&data, "Load position");
         let notes: Vec<_> = position.notes.iter().map(|it| (it.x, &*it.label)).collect();
         assert_eq!(notes, [(0.4, "within 5 % after 0.4 s")], "cos t doesn't get to 10 % within a second");
-        let band = Band { name: "5 % band", from: 0.0, to: 0.999, low: Some(-0.05), high: Some(0.05) };
+        let band = Band {
+            name: "5 % band".to_owned(),
+            is_expected: false,
+            from: 0.0,
+            to: 0.999,
+            low: Some(-0.05),
+            high: Some(0.05),
+        };
         assert_eq!(position.bands, [band]);
         assert_eq!(first_at(&run, 0.9), Some(0.452), "cos 0.451 is above 0.9");
     }
@@ -139,11 +161,45 @@ mod tests {
                 expect("drive.noise_1", Statistic::Min, Some(-3.0), None, None),
             ];
         });
+        let lists = [vec!["torque_nm".to_owned()]];
+        let panels = Panels::of(std::slice::from_ref(&run), &lists).expect("a signal");
+        let (data, _) = charts(&run, &panels);
+        let expected = |of: &str, from, to, low, high| {
+            vec![Band { name: format!("expected of {of}"), is_expected: true, from, to, low, high }]
+        };
+        let peak = expected("torque_nm", 0.2, 0.5, Some(-2.0), Some(2.0));
+        assert_eq!(chart(&data, "Torque").bands, peak, "a root mean square bounds no value");
+        assert_eq!(chart(&data, "torque_nm").bands, peak, "in the chosen chart, too");
+        let least = expected("drive.noise_1", 0.0, 0.999, Some(-3.0), None);
+        assert_eq!(chart(&data, "Drive's own signals in plain").bands, least);
+    }
+
+    #[test]
+    fn settling_and_static_error_bound_the_error_where_they_count() {
+        let expect = |metric, min, max| JudgedExpectation {
+            quantity: Quantity::Metric(metric),
+            window: None,
+            value: Measured::Value(1.0),
+            reason: None,
+            unit: String::new(),
+            min,
+            max,
+            ok: true,
+        };
+        let run = run_of(|summary| {
+            summary.expectations = vec![
+                expect(Metric::SettleTime, None, Some(0.5)),
+                expect(Metric::SettleTime2Pct, None, Some(0.6)),
+                expect(Metric::StaticError, Some(-0.01), Some(0.02)),
+                expect(Metric::Effort, None, Some(9.0)),
+            ];
+        });
         let (data, _) = charts(&run, &Panels::default());
-        let peak = Band { name: "expected", from: 0.2, to: 0.5, low: Some(-2.0), high: Some(2.0) };
-        assert_eq!(chart(&data, "Torque").bands, [peak], "a root mean square bounds no value");
-        let least = Band { name: "expected", from: 0.0, to: 0.999, low: Some(-3.0), high: None };
-        assert_eq!(chart(&data, "Drive's own signals in plain").bands, [least]);
+        let bands: Vec<_> =
+            chart(&data, "Position error").bands.iter().map(|it| (it.from, it.low, it.high)).collect();
+        let expected =
+            [(0.5, Some(-0.05), Some(0.05)), (0.6, Some(-0.02), Some(0.02)), (0.0, Some(-0.01), Some(0.02))];
+        assert_eq!(bands, expected);
     }
 
     #[test]

@@ -20,7 +20,9 @@ impl Panels {
             Source { name, columns: &record.trace, is_sparse: false }
         };
         let sources: Vec<_> = runs.iter().map(source).collect();
-        let groups = lists.iter().map(|names| chosen::groups(&sources, names, PER_CHART));
+        // A chart has as many curves as colours, with dashes twice as many.
+        let most = (2 * PER_CHART / runs.len().max(1)).clamp(1, PER_CHART);
+        let groups = lists.iter().map(|names| chosen::groups(&sources, names, most));
         Ok(Self(groups.collect::<Result<Vec<_>, _>>()?.concat()))
     }
 

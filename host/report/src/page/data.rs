@@ -113,7 +113,10 @@ pub(super) struct Shade {
 /// Limits of the values over a part of the time in s.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Band {
-    pub(super) name: &'static str,
+    pub(super) name: String,
+    /// Whether the scenario expects them, or they only explain.
+    #[serde(rename = "isExpected")]
+    pub(super) is_expected: bool,
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) low: Option<f64>,
@@ -256,6 +259,15 @@ impl Data {
             data.once(&format!("{part} of {name}"), || Encoded::of(&of(values), steps))
         });
         Trail { t: Some(data.once(&format!("time of {name}"), || Encoded::of_times(&of(times_s)))), x, y }
+    }
+
+    /// The names of the columns that a chart over time shows.
+    pub(super) fn names(&self, chart: &Chart) -> Vec<String> {
+        let name = |series: &Series| match series.points {
+            Points::OverTime { y } => self.runs.get(series.run)?.names.get(y).cloned(),
+            Points::Trail(_) => None,
+        };
+        chart.series.iter().filter_map(name).collect()
     }
 
     fn digits(&self) -> usize {

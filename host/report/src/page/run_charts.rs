@@ -14,8 +14,9 @@ use crate::steps::{round_trip_us, row_of_step};
 
 /// Most intervals of contact of a page.
 const MOST_INTERVALS: usize = 3_000;
-/// Heights of the half gap that the enlarged gap shows each way, and from how many on the other chart of the twist is too coarse.
+/// Half the height of the chart of the enlarged gap, in half gaps.
 const ENLARGED: f64 = 1.25;
+/// Largest twist, in half gaps, whose own chart still shows the gap.
 const COARSE: f64 = 3.0;
 /// The torque of the law, before the drive's limits.
 const REQUESTED: &str = "drive.requested_torque_nm";
@@ -63,7 +64,14 @@ fn draw(run: &Run, mut data: Data, panels: &Panels) -> (Data, Vec<Constant>) {
     let constants = page.further();
     let marks = marks(run);
     let mut data = page.data;
-    for chart in data.charts.iter_mut().filter(|chart| chart.axes.is_none()) {
+    for number in 0..data.charts.len() {
+        if data.charts[number].axes.is_some() {
+            continue;
+        }
+        let names = data.names(&data.charts[number]);
+        let expected = names.iter().flat_map(|name| annotations::of_signal(run, name)).collect::<Vec<_>>();
+        let chart = &mut data.charts[number];
+        chart.bands.extend(expected);
         chart.marks.clone_from(&marks);
     }
     (data, constants)
@@ -106,13 +114,7 @@ impl Charts<'_> {
         let (notes, bands) = annotations::of_step(self.run);
         chart.notes = notes;
         chart.bands.extend(bands);
-        self.expected(&mut chart, "load_position_rad");
         self.push(chart);
-    }
-
-    /// Adds the limits that the scenario expects of a signal.
-    fn expected(&self, chart: &mut Chart, name: &str) {
-        chart.bands.extend(annotations::of_signal(self.run, name));
     }
 
     /// The drive's own signals: those that no other chart has, a chart for each unit.
@@ -130,10 +132,8 @@ impl Charts<'_> {
     fn error(&mut self) {
         let Some(error_rad) = error_rad(self.run) else { return };
         let column = self.data.column(0, "error_rad", || error_rad);
-        let series = Series::new("load less reference", 0, column).style("c0");
-        let mut chart = Chart::new("Position error", "rad", vec![series]);
-        self.expected(&mut chart, "error_rad");
-        self.push(chart);
+        let series = Series::new("load minus reference", 0, column).style("c0");
+        self.push(Chart::new("Position error", "rad", vec![series]));
     }
 
     fn torque(&mut self) {
@@ -143,9 +143,7 @@ impl Charts<'_> {
         let requested = requested.map(|it| it.style("c1").held());
         let transmitted = self.series("transmitted", "transmitted_torque_nm").map(|it| it.style("c2"));
         let series = [requested, torque, transmitted].into_iter().flatten().collect();
-        let mut chart = Chart::new("Torque", "N m", series);
-        self.expected(&mut chart, "torque_nm");
-        self.push(chart);
+        self.push(Chart::new("Torque", "N m", series));
     }
 
     /// Twist, with the edges of the gap, and the times in contact.
@@ -169,7 +167,6 @@ impl Charts<'_> {
                 intervals: intervals(self.run.times_s(), contact),
             }),
         );
-        self.expected(&mut chart, "twist_rad");
         let enlarged = self.enlarged(&chart);
         self.push(chart);
         self.data.charts.extend(enlarged);
@@ -278,11 +275,7 @@ impl Charts<'_> {
             _ if unit.is_empty() => format!("{what} without a unit"),
             _ => format!("{what} in {unit}"),
         };
-        let mut chart = Chart::new(title, unit, series).in_part(part);
-        for name in names {
-            self.expected(&mut chart, name);
-        }
-        self.push(chart);
+        self.push(Chart::new(title, unit, series).in_part(part));
     }
 }
 

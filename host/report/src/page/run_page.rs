@@ -44,7 +44,7 @@ pub fn run(run: &Run, panels: &Panels) -> String {
         section #timing {
             h2 { "Timing" }
             @if run.record.manifest.clock == ClockName::Lockstep {
-                p { "In lockstep plant and drive wait for each other: the timing changes nothing of the run." }
+                p { "In lockstep plant and drive wait for each other: the result doesn't depend on the timing." }
                 details {
                     summary { "Timing of the exchange" }
                     (timings(run, &data))

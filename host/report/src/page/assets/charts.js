@@ -155,7 +155,10 @@ const LashloopCharts = (() => {
       html("span", "key-name", key, name);
     }
     for (const shade of shades) explain(shade.name, "rect", { class: "shade", width: 22, height: 8 });
-    for (const name of new Set(bands.map((it) => it.name))) explain(name, "path", { class: "bound", d: "M1 1H21M1 7H21" });
+    const boundClass = ({ isExpected }) => (isExpected ? "bound expected" : "bound");
+    for (const [name, band] of new Map(bands.map((it) => [it.name, it]))) {
+      explain(name, "path", { class: boundClass(band), d: "M1 1H21M1 7H21" });
+    }
     if (marks.length) explain("injected fault", "path", { class: "mark", d: "M11 -3V11" });
 
     const plotWidth = () => Math.max(width - LEFT - RIGHT, 1);
@@ -188,7 +191,8 @@ const LashloopCharts = (() => {
       if (range) return range;
       let [low, high] = rangeOf("y");
       const near = (high - low) / 2;
-      for (const edge of bands.flatMap((it) => [it.low, it.high])) {
+      const shown = bands.filter((it) => it.from < group.view[1] && it.to > group.view[0]);
+      for (const edge of shown.flatMap((it) => [it.low, it.high])) {
         if (edge === null || edge < low - near || edge > high + near) continue;
         const room = (high - low) * 0.04;
         [low, high] = [Math.min(low, edge - room), Math.max(high, edge + room)];
@@ -234,14 +238,15 @@ const LashloopCharts = (() => {
         svg("path", { class: "shade", d: shadePath(intervals) }, shadeLayer);
       }
       bandLayer.replaceChildren();
-      for (const { from, to, low, high } of bands) {
+      for (const band of bands) {
+        const { from, to, low, high } = band;
         const [x1, x2] = [toX(Math.max(from, group.view[0])), toX(Math.min(to, group.view[1]))];
         if (x2 <= x1) continue;
         const [top, bottom] = [high, low].map((edge) => (edge === null ? null : toY(edge)));
         if (top !== null && bottom !== null) {
           svg("rect", { class: "band", x: x1, width: x2 - x1, y: top, height: Math.max(bottom - top, 0) }, bandLayer);
         }
-        for (const y of [top, bottom]) if (y !== null) svg("path", { class: "bound", d: `M${x1} ${y}H${x2}` }, bandLayer);
+        for (const y of [top, bottom]) if (y !== null) svg("path", { class: boundClass(band), d: `M${x1} ${y}H${x2}` }, bandLayer);
       }
       noteLayer.replaceChildren();
       notes.forEach(({ x, label }, index) => {
