@@ -32,7 +32,7 @@ pub enum BodeError {
     Run(#[from] ExecutionError),
     /// The run ended before the measurement.
     #[error(
-        "the run ended after {at_s:.2} s of {of_s:.2} s: {end}; take a smaller --amplitude, or correct what the drive reports"
+        "the run ended after {at_s:.2} s of {of_s:.2} s: {end}; take smaller --amplitudes, or correct what the drive reports"
     )]
     Ended {
         /// How it ended.
@@ -44,8 +44,8 @@ pub enum BodeError {
     },
     /// The torque was at a limit.
     #[error(
-        "the torque was at a limit of {limit_nm} N m in {share:.0} % of the steps, so the response is that of the limit; take a \
-         smaller --amplitude"
+        "the torque was at a limit of {limit_nm} N m in {share:.0} % of the steps, so the response is that of the limit; take \
+         smaller --amplitudes"
     )]
     Saturated {
         /// The limit.
@@ -81,6 +81,9 @@ pub struct Measurement {
     pub largest_torque_nm: f64,
     /// Duration in s.
     pub duration_s: f64,
+    /// Whether the load turned in one direction while it was measured. If not, dry friction may have held it and the gap may
+    /// have opened, and the fit is that of such a load.
+    pub is_in_motion: bool,
 }
 
 /// The scenario that measures by this excitation, around this reference or in motion from there on.
@@ -173,6 +176,7 @@ pub fn measure(
         load_rad,
         count_rad: collected.counts_per_rad.map(f64::recip),
     };
+    let is_in_motion = moves(load_rad, signals.count_rad[1]);
     let measured = Measured::of(&planned, excited, signals)?;
     let delay_s = f64::from(scenario.plant.torque_delay_us()) / 1e6;
     let fit = Fit::of(&measured, plan.period_s(), delay_s);
@@ -187,7 +191,26 @@ pub fn measure(
         fit,
         largest_torque_nm,
         duration_s,
+        is_in_motion,
     }))
+}
+
+/// Counts of the load by which it may turn back and still counts as in motion, and by which it must get on.
+const BACK_COUNTS: f64 = 3.0;
+const ON_COUNTS: f64 = 100.0;
+
+/// Whether a load turns in one direction in the second half of a run, in which it is measured in any case.
+fn moves(load_rad: &[f64], count_rad: f64) -> bool {
+    let half = &load_rad[load_rad.len() / 2..];
+    let (Some(first), Some(last)) = (half.first(), half.last()) else { return false };
+    let travel_rad = last - first;
+    let mut furthest = f64::NEG_INFINITY;
+    let mut back_rad = 0.0_f64;
+    for position in half.iter().map(|it| it * travel_rad.signum()) {
+        furthest = furthest.max(position);
+        back_rad = back_rad.max(furthest - position);
+    }
+    travel_rad.abs() > ON_COUNTS * count_rad && back_rad <= BACK_COUNTS * count_rad
 }
 
 /// What a measurement needs of the steps.
@@ -264,5 +287,26 @@ impl StepObserver for Collected {
         self.torque_nm.push(step.row.torque_nm);
         self.reference_rad.push(step.row.reference_rad);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_load_that_turns_back_is_not_in_motion() {
+        const COUNT_RAD: f64 = 1e-3;
+        let load = |ripple_rad: f64, speed: f64| -> Vec<f64> {
+            (0..2_000)
+                .map(|step| f64::from(step) * 1e-3)
+                .map(|time_s| speed * time_s + ripple_rad * (20.0 * time_s).sin())
+                .collect()
+        };
+        assert!(moves(&load(0.04, 1.0), COUNT_RAD), "its speed changes, and never its direction");
+        assert!(moves(&load(0.04, -1.0), COUNT_RAD));
+        assert!(!moves(&load(0.06, 1.0), COUNT_RAD), "it turns back by 7 counts");
+        assert!(!moves(&load(0.01, 0.0), COUNT_RAD));
+        assert!(!moves(&[], COUNT_RAD));
     }
 }

@@ -24,11 +24,12 @@ from conftest import (
     wait_until,
 )
 from mcap.writer import CompressionType, Writer
+from playwright.sync_api import expect
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from playwright.sync_api import Page
+    from playwright.sync_api import Locator, Page
 
 
 def picture(page: Page, name: str) -> None:
@@ -275,3 +276,32 @@ def test_points_of_a_thinned_trail_are_points_of_the_run(open_page: Opener, fail
     )
     radii = [math.hypot(*[(it[axis] - middle[axis]) / half[axis] for axis in (0, 1)]) for it in points]
     assert all(radius == pytest.approx(1, abs=0.01) for radius in (min(radii), max(radii)))
+
+
+def test_curves_have_their_notes_and_limits_and_the_gap_its_own_chart(open_page: Opener, tmp_path: Path) -> None:
+    expected = (
+        "expect=[{ signal = 'torque_nm', statistic = 'peak', unit = 'N m', max = 21.0, from_s = 1.0, to_s = 5.0 }]"
+    )
+    scenario = SCENARIOS / "shaft-merzouki.toml"
+    lashloop("run", scenario, "--device", "inproc", "--set", expected, "--out", tmp_path / "run", "--report")
+    page = open_page(tmp_path / "run/report.html")
+
+    def chart(title: str) -> Locator:
+        found = page.locator(".chart", has=page.get_by_role("heading", name=title, exact=True))
+        found.scroll_into_view_if_needed()
+        expect(found.locator(".curves path").first).to_have_attribute("d", re.compile("^M.{20}"))
+        return found
+
+    notes = chart("Load position").locator(".note-text").all_text_contents()
+    assert [it.split(" ")[0] for it in notes] == ["rise", "within", "within"]
+    torque = chart("Torque")
+    assert torque.locator(".key", has_text="expected of torque_nm").count() == 1
+    left, right = (
+        float(it) for it in re.findall(r"[\d.]+", torque.locator(".bound.expected").last.get_attribute("d") or "")[::2]
+    )
+    frame = torque.locator(".frame")
+    start, width = (float(frame.get_attribute(name) or "nan") for name in ("x", "width"))
+    assert [(it - start) / width * 25.0 for it in (left, right)] == pytest.approx([1.0, 5.0], abs=0.01)
+    ticks = chart("Gap, enlarged").locator(".grid text").all_text_contents()
+    assert "0.1" in ticks
+    assert "5" not in ticks[-4:]

@@ -9,8 +9,17 @@ use lashloop_response::{Estimate, Excitation, Fit, gap};
 
 /// One measurement, as lines.
 pub(super) fn of_one(measurement: &Measurement) -> Vec<String> {
-    let Measurement { amplitude, excited, measured, margins, fit, largest_torque_nm, duration_s, .. } =
-        measurement;
+    let Measurement {
+        amplitude,
+        excited,
+        measured,
+        margins,
+        fit,
+        largest_torque_nm,
+        duration_s,
+        is_in_motion,
+        ..
+    } = measurement;
     let coherent = measured.motor.iter().filter(|it| it.coherence >= LEAST_COHERENCE).count();
     let (unit, lines) = (excited.unit(), measured.motor.len());
     let mut text = vec![
@@ -32,6 +41,13 @@ pub(super) fn of_one(measurement: &Measurement) -> Vec<String> {
     match fit {
         Ok(fit) => text.extend(of_fit(fit)),
         Err(problem) => text.push(format!("drive train          {problem}")),
+    }
+    if fit.is_ok() && !is_in_motion {
+        text.push(
+            "note                 the load turned back or stood: if friction held it or the gap opened, the drive train \
+             above is that of a held load; measure in motion, see --speed"
+                .to_owned(),
+        );
     }
     text
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::scenario::Override;
-use lashloop_bench::verdict::Exit;
+use lashloop_bench::verdict::{Exit, Verdict};
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
@@ -98,13 +98,15 @@ impl Arguments {
             let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
             run_junit::write(path, &result)?;
         }
-        // The run has its verdict, with or without its page.
-        if let Some(folder) = page
-            && let Err(error) = super::report::write(&folder)
-        {
-            warn(format_args!("no page of the run: {error}"));
+        // The run has its verdict, with or without its page; but a success has all that was asked for.
+        match page.map(|folder| super::report::write(&folder)) {
+            Some(Err(error)) if summary.verdict == Verdict::Pass => Err(error),
+            Some(Err(error)) => {
+                warn(format_args!("no page of the run: {error}"));
+                Ok(summary.verdict.into())
+            }
+            _ => Ok(summary.verdict.into()),
         }
-        Ok(summary.verdict.into())
     }
 
     fn make(self, bench: &Bench) -> Result<Finished, CliError> {

@@ -61,6 +61,11 @@ impl Case {
         let properties = [
             ("device", Some(result.device.clone()).filter(|device| !device.is_empty())),
             ("torque_sha256", result.torque_sha256.clone()),
+            // A pass of it says nothing of the drive.
+            (
+                "expectations",
+                (result.torque_sha256.is_some() && result.checks.is_empty()).then(|| "none".to_owned()),
+            ),
             ("record", result.record.as_ref().map(|record| record.display().to_string())),
         ];
         Self {

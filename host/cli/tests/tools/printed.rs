@@ -93,6 +93,10 @@ fn a_suite_refuses_cases_of_which_nothing_is_expected_if_it_is_asked_to() {
     };
     let (code, table) = suite(&[]);
     assert!(code == Some(0) && table.contains("bare.toml    none expected"), "{table}");
+    let junit = tempfile::NamedTempFile::new().unwrap();
+    suite(&["--junit", &junit.path().display().to_string()]);
+    let xml = std::fs::read_to_string(junit.path()).unwrap();
+    assert_eq!(xml.matches(r#"<property name="expectations" value="none"/>"#).count(), 1, "{xml}");
     let (code, table) = suite(&["--require-expectations"]);
     assert!(code == Some(2) && table.contains("1 PASS, 0 FAIL, 0 INVALID, 1 ERROR"), "{table}");
     assert!(table.contains("bare.toml: nothing is expected of it; give it an [[expect]]"), "{table}");
