@@ -29,6 +29,8 @@ const SPARSE: usize = 4;
 const RANKED: usize = 2;
 /// Fewest rows of the grid, and of a motion with the load still.
 const ROWS_MIN: f64 = 20.0;
+/// Fewest samples on either flank.
+const FLANK_ROWS_MIN: usize = 40;
 /// Steps of Gauss and Newton.
 const ROUNDS: usize = 40;
 /// Median distances beyond which a row counts less.
@@ -80,6 +82,9 @@ pub(crate) fn free_body(motions: &[Motion], ratio: f64) -> Option<FreeBody> {
     body.twists_rad = smooth.iter().enumerate().map(twist).collect();
     for of in [Of::Still, Of::All] {
         body.refine(&smooth, of, None)?;
+    }
+    if !body.shows_both_flanks(&smooth) {
+        return None;
     }
     let per_turn = body.ranked(&smooth)?.first()?.per_turn;
     body.refine(&smooth, Of::All, Some(per_turn))?;
@@ -161,6 +166,21 @@ impl FreeBody {
     pub(crate) fn shaft_nm(&self, smooth: &Smooth, at: usize, gap: &Gap) -> f64 {
         let [wound_rad, rate_rad_s, ..] = smooth.contact(at, gap);
         self.linear[STIFFNESS] * wound_rad + self.linear[DAMPING].max(0.0) * rate_rad_s
+    }
+
+    /// Whether the motor pushes on either flank. A start on one flank would explain a motion on the other as well as a start
+    /// within the gap, with a gap of any width.
+    fn shows_both_flanks(&self, all: &[Smooth]) -> bool {
+        let mut rows = [0; 2];
+        for (index, smooth) in all.iter().enumerate() {
+            let gap = self.gap(index);
+            for at in (0..smooth.motion.samples()).filter(|&at| smooth.motor.moves[at]) {
+                let [wound_rad, ..] = smooth.contact(at, &gap);
+                rows[0] += usize::from(wound_rad > 0.0);
+                rows[1] += usize::from(wound_rad < 0.0);
+            }
+        }
+        rows.into_iter().all(|it| it >= FLANK_ROWS_MIN)
     }
 
     /// What doesn't balance at a sample, cogging included, in N m.
