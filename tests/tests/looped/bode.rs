@@ -265,12 +265,12 @@ fn what_prevents_a_response_is_named_with_a_remedy() {
     let quick = ["--lowest-hz", "5", "--settles-s", "1", "--realisations", "3", "--lines", "12"];
     for (arguments, code, want) in [
         (&["--highest-hz", "600"][..], 2, "at a period of 1000 us take at most 500 Hz"),
-        (&["--amplitudes", "30"], 3, "take a smaller --amplitude"),
+        (&["--amplitudes", "30"], 3, "take smaller --amplitudes"),
         (&["--amplitudes", "1e-6"], 3, "raise the amplitude"),
         (
             &["--set", "controller.parameters.motor_speed_limit_rad_s=0.5", "--amplitudes", "2"],
             3,
-            "take a smaller --amplitude",
+            "take smaller --amplitudes",
         ),
     ] {
         let arguments = ["bode", scenario].into_iter().chain(quick).chain(arguments.iter().copied());
