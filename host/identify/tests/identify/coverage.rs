@@ -163,7 +163,7 @@ fn an_eccentric_load_encoder_widens_the_interval_of_the_ratio_to_its_truth() {
 #[test]
 fn what_remains_of_the_torque_is_the_ripple_and_the_doubt_of_the_offset() {
     let errors = Errors { offset_nm: 0.15, cogging_nm: 0.06, per_turn: 8, ..Errors::default() };
-    let mut plant = HiddenPlant::draw(3).with_errors(errors, [0.0; 2]);
+    let mut plant = HiddenPlant::draw(5).with_errors(errors, [0.0; 2]);
     let instruments = plant.instruments();
     let found = commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
     let identified = found.expect("estimates").identified;
