@@ -1,6 +1,7 @@
 //! Frequency responses of the loop against closed forms, and of drive trains that nobody told the measurement of.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use lashloop::Bench;
 use lashloop::bode::{Measurement, measure};
@@ -190,10 +191,10 @@ fn apparent_stiffness_of_a_series_is_what_the_describing_function_leaves_to_nois
 /// Gap and dry friction as well: a constant torque keeps the load in motion and the gap closed.
 #[test]
 fn stiffness_and_inertia_ratio_of_hidden_plants_lie_within_the_stated_intervals() {
-    const SEEDS: std::ops::Range<u64> = 9100..9120;
+    let seeds = hidden_plants();
     let mut found = [0; 2];
     let mut text = String::new();
-    for seed in SEEDS {
+    for seed in seeds.clone() {
         let plant = HiddenPlant::draw(seed);
         let mut settings = KEYS.map(|key| format!("plant.{key}={:?}", plant.truth(key))).to_vec();
         for (side, counts) in ["motor", "load"].into_iter().zip(plant.counts_per_rev) {
@@ -219,8 +220,16 @@ fn stiffness_and_inertia_ratio_of_hidden_plants_lie_within_the_stated_intervals(
             assert!(half_width < 0.05, "plant {seed}: an interval of {estimate:?} says nothing");
         }
     }
-    println!("{} of stiffness, {} of the inertia ratio, of {}", found[0], found[1], SEEDS.count());
-    assert!(found.iter().all(|count| *count >= 18), "{found:?}\n{text}");
+    let all = seeds.count();
+    println!("{} of stiffness, {} of the inertia ratio, of {all}", found[0], found[1]);
+    assert!(found.iter().all(|count| 10 * count >= 9 * all), "{found:?} of {all}\n{text}");
+}
+
+/// The seeds of the hidden plants; other ones by `LASHLOOP_HIDDEN_PLANTS=FIRST..END`.
+fn hidden_plants() -> Range<u64> {
+    let given = std::env::var("LASHLOOP_HIDDEN_PLANTS").ok();
+    let given = given.as_deref().and_then(|it| it.split_once(".."));
+    given.map_or(9100..9120, |(first, end)| first.parse().expect("a seed")..end.parse().expect("a seed"))
 }
 
 /// The drive reads its own encoders, and its law makes a torque of the reference.
