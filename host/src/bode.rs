@@ -21,7 +21,7 @@ use crate::execution::{ExecutionError, OpenDrive, Place};
 /// Share of the steps that may be at a limit of the torque: above it a response is that of the limit too.
 const MOST_SATURATED: f64 = 0.01;
 
-/// Why there is no response.
+/// Why a response can't be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum BodeError {
     /// The plan is wrong.

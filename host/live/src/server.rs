@@ -198,7 +198,8 @@ async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receive
             let ended = Instant::now();
             let mut taken = None;
             // A slow reader gets the rest, and one that takes nothing holds up the end for a second.
-            while taken.replace(feed.taken()) != Some(feed.taken()) && ended.elapsed() < LONGEST_FAREWELL {
+            while taken != Some(feed.taken()) && ended.elapsed() < LONGEST_FAREWELL {
+                taken = Some(feed.taken());
                 let _ = tokio::time::timeout(FAREWELL, readers.wait_for(|readers| *readers == 0)).await;
                 if *readers.borrow() == 0 {
                     break;

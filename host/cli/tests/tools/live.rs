@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop_record::reader::Record;
 use serde_json::Value;
@@ -334,4 +334,30 @@ fn clients_that_ask_and_ping_and_never_read_take_their_bound_and_no_more() {
     assert!(rest.samples.len() > 10, "the run continues");
     page.send(Message::text("stop")).unwrap();
     assert_eq!(run.end().1["end"], Value::from("interrupted by the user"));
+}
+
+#[test]
+fn a_slow_client_gets_every_step_of_a_run_that_has_long_ended_and_the_verdict() {
+    let run = Run::start(25.0, &[]);
+    let mut client = run.connect_client(&[(SUBPROTOCOL, "foxglove.sdk.v1")]).unwrap();
+    let subscribe = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}"#;
+    let (mut steps, mut last, began) = (0, String::new(), Instant::now());
+    loop {
+        match client.read() {
+            Ok(Message::Text(text)) if text.contains(r#""op":"advertise""#) => {
+                client.send(Message::text(subscribe)).unwrap();
+            }
+            Ok(Message::Text(text)) => text.as_str().clone_into(&mut last),
+            Ok(Message::Binary(_)) => steps += 1,
+            _ => break,
+        }
+        if steps % 100 == 99 {
+            std::thread::sleep(Duration::from_millis(12));
+        }
+    }
+    // The server's time for one that takes nothing is a second.
+    assert!(began.elapsed() > Duration::from_secs(2), "{:?}", began.elapsed());
+    assert_eq!(steps, 25_000);
+    assert!(last.contains(r#""op":"status""#) && last.contains("PASS"), "{last}");
+    assert_eq!(run.end().0, Some(0));
 }
