@@ -36,7 +36,7 @@ use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use lashloop_hardware::identify::reach::{self, FirstReach};
 
 /// The scenario of a command line without one.
-const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
+const SCENARIO: &str = include_str!("../data/commission.toml");
 const SCENARIO_NAME: &str = "scenarios/commission.toml";
 
 /// Move an unknown drive train within limits and estimate its parameters

@@ -8,8 +8,8 @@ const LAW: &str = "pd";
 const RUNS: [&str; 2] = ["coarse", "fine"];
 /// Largest difference of a torque from that of the trace, in N m.
 const TOLERANCE_NM: f32 = 0.001;
-const PARAMETERS: &str = include_str!("../../../protocol/golden/pd-parameters.csv");
-const TRACE: &str = include_str!("../../../protocol/golden/pd.csv");
+const PARAMETERS: &str = include_str!("../data/pd-parameters.csv");
+const TRACE: &str = include_str!("../data/pd.csv");
 /// Parameters of [`PARAMETERS`] that every drive has.
 const OF_EVERY_DRIVE: usize = 6;
 

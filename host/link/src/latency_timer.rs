@@ -11,8 +11,7 @@ const DEVICES: &str = "/sys/bus/usb-serial/devices";
 const SHORTEST_MS: u32 = 1;
 
 /// The rule for udev that shortens the timer of every FTDI adapter when it is plugged in.
-pub const UDEV_RULE: &str =
-    r#"ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1""#;
+pub const UDEV_RULE: &str = include_str!("90-ftdi-latency.rules").trim_ascii_end();
 
 /// A latency timer, after the attempt to shorten it.
 #[derive(Debug)]

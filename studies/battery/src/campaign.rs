@@ -18,26 +18,21 @@ pub enum Battery {
 
 type Text = (&'static str, &'static str);
 
-const STANDARD: Text = ("campaigns/battery.toml", include_str!("../../../campaigns/battery.toml"));
-const HARD: Text = ("campaigns/battery-hard.toml", include_str!("../../../campaigns/battery-hard.toml"));
+const STANDARD: Text = ("campaigns/battery.toml", include_str!("../data/battery.toml"));
+const HARD: Text = ("campaigns/battery-hard.toml", include_str!("../data/battery-hard.toml"));
 
 const SCENARIOS: [Text; 4] = [
-    ("campaigns/../scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
+    ("campaigns/../scenarios/shaft-pd.toml", include_str!("../data/shaft-pd.toml")),
+    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../data/shaft-merzouki.toml")),
     (
         "campaigns/../scenarios/shaft-backlash-inverse.toml",
-        include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
+        include_str!("../data/shaft-backlash-inverse.toml"),
     ),
-    (
-        "campaigns/../scenarios/shaft-braking-curve.toml",
-        include_str!("../../../scenarios/shaft-braking-curve.toml"),
-    ),
+    ("campaigns/../scenarios/shaft-braking-curve.toml", include_str!("../data/shaft-braking-curve.toml")),
 ];
 
-const MOVES: Text = (
-    "campaigns/../scenarios/alternating-moves.csv",
-    include_str!("../../../scenarios/alternating-moves.csv"),
-);
+const MOVES: Text =
+    ("campaigns/../scenarios/alternating-moves.csv", include_str!("../data/alternating-moves.csv"));
 
 impl Battery {
     fn sources(self) -> Vec<Text> {

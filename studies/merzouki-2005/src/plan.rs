@@ -12,14 +12,11 @@ use crate::scenarios::{SCENARIOS, Source};
 
 /// The shaft under the three laws, then a slow sine under two of them.
 pub const SHAFT: [Source; 5] = [
-    ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-    ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
-    ("scenarios/shaft-braking-curve.toml", include_str!("../../../scenarios/shaft-braking-curve.toml")),
-    ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
-    (
-        "scenarios/shaft-braking-curve-sine.toml",
-        include_str!("../../../scenarios/shaft-braking-curve-sine.toml"),
-    ),
+    ("scenarios/shaft-pd.toml", include_str!("../data/shaft-pd.toml")),
+    ("scenarios/shaft-merzouki.toml", include_str!("../data/shaft-merzouki.toml")),
+    ("scenarios/shaft-braking-curve.toml", include_str!("../data/shaft-braking-curve.toml")),
+    ("scenarios/shaft-sine.toml", include_str!("../data/shaft-sine.toml")),
+    ("scenarios/shaft-braking-curve-sine.toml", include_str!("../data/shaft-braking-curve-sine.toml")),
 ];
 
 /// The expectations of a scenario hold for its own control law. That beyond the paper has these instead.

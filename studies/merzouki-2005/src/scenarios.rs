@@ -5,18 +5,18 @@ pub type Source = (&'static str, &'static str);
 
 /// Smooth plant before and after compensation, then plant with friction before and after.
 pub const SCENARIOS: [Source; 4] = [
-    ("scenarios/smooth-before.toml", include_str!("../../../scenarios/smooth-before.toml")),
-    ("scenarios/smooth-after.toml", include_str!("../../../scenarios/smooth-after.toml")),
-    ("scenarios/friction-before.toml", include_str!("../../../scenarios/friction-before.toml")),
-    ("scenarios/friction-after.toml", include_str!("../../../scenarios/friction-after.toml")),
+    ("scenarios/smooth-before.toml", include_str!("../data/smooth-before.toml")),
+    ("scenarios/smooth-after.toml", include_str!("../data/smooth-after.toml")),
+    ("scenarios/friction-before.toml", include_str!("../data/friction-before.toml")),
+    ("scenarios/friction-after.toml", include_str!("../data/friction-after.toml")),
 ];
 
 /// The same plants and laws in bench mode.
 pub const BENCH_SCENARIOS: [Source; 4] = [
-    ("scenarios/bench-smooth-before.toml", include_str!("../../../scenarios/bench-smooth-before.toml")),
-    ("scenarios/bench-smooth-after.toml", include_str!("../../../scenarios/bench-smooth-after.toml")),
-    ("scenarios/bench-friction-before.toml", include_str!("../../../scenarios/bench-friction-before.toml")),
-    ("scenarios/bench-friction-after.toml", include_str!("../../../scenarios/bench-friction-after.toml")),
+    ("scenarios/bench-smooth-before.toml", include_str!("../data/bench-smooth-before.toml")),
+    ("scenarios/bench-smooth-after.toml", include_str!("../data/bench-smooth-after.toml")),
+    ("scenarios/bench-friction-before.toml", include_str!("../data/bench-friction-before.toml")),
+    ("scenarios/bench-friction-after.toml", include_str!("../data/bench-friction-after.toml")),
 ];
 
 /// What puts a motor on a bridge with a current loop between drive and plant, as settings of [`BENCH_SCENARIOS`]: 26 N m at

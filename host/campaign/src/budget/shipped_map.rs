@@ -8,16 +8,13 @@ use lashloop_plant::Plants;
 pub const CAMPAIGN: &str = "campaigns/link-budget.toml";
 
 const SOURCES: [(&str, &str); 3] = [
-    (CAMPAIGN, include_str!("../../../../campaigns/link-budget.toml")),
-    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../../../../scenarios/shaft-merzouki.toml")),
-    (
-        "campaigns/../scenarios/shaft-braking-curve.toml",
-        include_str!("../../../../scenarios/shaft-braking-curve.toml"),
-    ),
+    (CAMPAIGN, include_str!("../../data/link-budget.toml")),
+    ("campaigns/../scenarios/shaft-merzouki.toml", include_str!("../../data/shaft-merzouki.toml")),
+    ("campaigns/../scenarios/shaft-braking-curve.toml", include_str!("../../data/shaft-braking-curve.toml")),
 ];
 
 /// Columns `case` and `settle_time_s` of its results; the campaign file has the command.
-const RESULTS: &str = include_str!("../../../../campaigns/link-budget.csv");
+const RESULTS: &str = include_str!("../../data/link-budget.csv");
 
 /// # Errors
 /// None, unless the files contradict each other.

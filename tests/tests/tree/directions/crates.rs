@@ -92,7 +92,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
     ("lashloop-fmu", &[]),
     // Studies, of which the command line has the commands.
     ("merzouki-2005", &["lashloop-plant", "lashloop-bench", "lashloop-record", "lashloop-plot", "lashloop"]),
-    ("battery", &["lashloop-plant", "lashloop-bench", "lashloop-campaign"]),
+    ("lashloop-battery", &["lashloop-plant", "lashloop-bench", "lashloop-campaign"]),
     (
         "lashloop-cli",
         &[
@@ -113,7 +113,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "lashloop-response",
             "lashloop-live",
             "merzouki-2005",
-            "battery",
+            "lashloop-battery",
         ],
     ),
     (
@@ -134,7 +134,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "lashloop-campaign",
             "lashloop-report",
             "lashloop-response",
-            "battery",
+            "lashloop-battery",
             "lashloop-cli",
         ],
     ),
@@ -150,7 +150,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
     // Crates of a user: they may use what is for users.
     ("own-law", &["lashloop-firmware", "lashloop", "lashloop-cli"]),
     ("own-plant", &["lashloop-plant", "lashloop", "lashloop-cli"]),
-    ("published-laws", &["lashloop-firmware", "lashloop", "lashloop-cli", "battery"]),
+    ("published-laws", &["lashloop-firmware", "lashloop", "lashloop-cli", "lashloop-battery"]),
 ];
 
 /// Dependencies that the table doesn't allow, one sentence each.
