@@ -86,7 +86,7 @@ impl Project {
     }
 
     /// A module of the virtual environment, run as a program in this folder, with its arguments.
-    fn tool(self, module: &str) -> Command {
+    pub(crate) fn tool(self, module: &str) -> Command {
         let mut command = command(interpreter(), &format!("-m {module}"));
         command.current_dir(self.folder());
         command

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sysconfig
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,22 +25,24 @@ class ProgramNotFoundError(LashloopError):
 def find_program() -> Path:
     """Return the path of the program.
 
-    In this order: `LASHLOOP_BIN`; `PATH`; the newest build in a `target` folder of the working folder, a folder above
-    it, or of the checkout from which this package is installed in editable mode.
+    In this order: `LASHLOOP_BIN`; the one that a wheel installed next to this Python; `PATH`; the newest build in a
+    `target` folder of the working folder, a folder above it, or of the checkout from which this package is installed in
+    editable mode.
     """
     named = os.environ.get(VARIABLE)
     if named:
         if not Path(named).is_file():
             raise ProgramNotFoundError(f"{VARIABLE} is {named}, which isn't a file: correct it, or unset it")
         return Path(named)
-    installed = shutil.which(_NAME)
+    scripts = sysconfig.get_path("scripts")
+    installed = shutil.which(_NAME, path=scripts) or shutil.which(_NAME)
     if installed:
         return Path(installed)
     built = [path for folder in _target_folders() for path in _builds(folder) if path.is_file()]
     if not built:
         raise ProgramNotFoundError(
-            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop-cli` in a checkout, put it "
-            f"into PATH, or name it in {VARIABLE}"
+            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop-cli` in a checkout, install "
+            f"the wheel that has it, put it into PATH, or name it in {VARIABLE}"
         )
     return max(built, key=lambda path: path.stat().st_mtime)
 

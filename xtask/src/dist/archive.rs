@@ -1,4 +1,4 @@
-//! `cargo xtask dist`: the program as one static file, with the loader of FMUs, in an archive with its checksum.
+//! The archive: the program as one static file, with the loader of FMUs, and its checksum.
 //!
 //! With the target for musl installed the program is built for it. Otherwise only the last step differs from an ordinary
 //! build: `main` is linked once more, with the static C library of this machine. Dependencies are those of the other builds.
@@ -9,55 +9,20 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use anyhow::{Context, Result, ensure};
-use clap::{Args, ValueEnum};
 use object::elf;
 use object::read::elf::{ElfFile64, FileHeader, ProgramHeader};
 use serde_json::Value;
 
+use super::{LOADER, NAME, Profile, VERSION};
 use crate::command::{cargo, command, first_line, output, run};
 use crate::{licences, paths};
 
-const NAME: &str = "lashloop";
 /// Its package, and the libraries that its `main` calls.
 const PACKAGE: &str = "lashloop-cli";
-/// The loader of FMUs, which is its package too.
-const LOADER: &str = "lashloop-fmu";
 const LIBRARIES: [&str; 2] = ["lashloop_cli", "lashloop"];
 
 /// Options of the build: every feature.
 const FEATURES: &str = "--features lashloop-cli/parquet";
-
-#[derive(Args)]
-pub(crate) struct Dist {
-    /// Profile of the build
-    #[arg(long, default_value = "release")]
-    profile: Profile,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Profile {
-    /// The one for others
-    Release,
-    /// That of the tests, which have most of it already
-    Dev,
-}
-
-impl Profile {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Release => "release",
-            Self::Dev => "dev",
-        }
-    }
-
-    /// Folder in the target folder.
-    const fn folder(self) -> &'static str {
-        match self {
-            Self::Release => "release",
-            Self::Dev => "debug",
-        }
-    }
-}
 
 /// What the C library of the program is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,27 +31,17 @@ enum Library {
     Glibc,
 }
 
-impl Dist {
-    pub(crate) fn make(&self) -> Result<()> {
-        make(self.profile)
-    }
-}
-
-/// Builds the program, checks it and packs it.
-pub(crate) fn make(profile: Profile) -> Result<()> {
+/// Builds the program, checks it and packs it. Returns the folder that is in the archive.
+pub(super) fn make(profile: Profile) -> Result<PathBuf> {
     let musl = format!("{ARCH}-unknown-linux-musl");
     let libraries = output(command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
     let has_musl = Path::new(libraries.trim()).is_dir();
     let (library, triple) =
         if has_musl { (Library::Musl, musl) } else { (Library::Glibc, format!("{ARCH}-unknown-linux-gnu")) };
-    let version = env!("CARGO_PKG_VERSION");
-    let name = format!("{NAME}-{version}-{ARCH}-linux");
-    let target = paths::root().join("target/dist").join(profile.name());
+    let name = format!("{NAME}-{VERSION}-{ARCH}-linux");
+    let target = profile.target();
     let folder = target.join(&name);
-    if folder.exists() {
-        fs::remove_dir_all(&folder).with_context(|| format!("{} can't be removed", folder.display()))?;
-    }
-    fs::create_dir_all(&folder)?;
+    paths::empty_folder(&folder)?;
     let program = folder.join(NAME);
     match library {
         Library::Musl => build_for_musl(profile, &triple, &program)?,
@@ -106,7 +61,7 @@ pub(crate) fn make(profile: Profile) -> Result<()> {
     complete(&program, &folder)?;
     let archive = pack(&target, &name)?;
     println!("{}", archive.display());
-    Ok(())
+    Ok(folder)
 }
 
 fn build_for_musl(profile: Profile, target: &str, program: &Path) -> Result<()> {
@@ -165,7 +120,7 @@ fn build_loader(profile: Profile, program: &Path) -> Result<()> {
     };
     run(&mut cargo(&format!("{build} --profile {} {FEATURES}", profile.name())))?;
     let built = paths::root().join("target").join(profile.folder()).join(LOADER);
-    fs::copy(&built, program).with_context(|| format!("{} can't be copied", built.display()))?;
+    run(command("strip", "-o").arg(program).arg(&built))?;
     let version = first_line(&mut command(program, "--version"));
     ensure!(version.is_some_and(|line| line.starts_with(LOADER)), "{} has no version", program.display());
     Ok(())
