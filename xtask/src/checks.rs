@@ -4,6 +4,7 @@ use anyhow::{Result, ensure};
 
 use crate::command::{cargo, command, output, run};
 use crate::counts::Counts;
+use crate::{dependencies, paths};
 
 /// Runs all checks.
 pub(crate) fn run_all() -> Counts {
@@ -13,12 +14,25 @@ pub(crate) fn run_all() -> Counts {
     counts.step("clippy", || run(&mut cargo("clippy --workspace --all-targets -- -D warnings")));
     counts
         .step("documentation", || run(cargo("doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings")));
+    counts.step("benchmarks", benchmarks);
+    counts.step("dependencies", dependencies::check);
     // For the whole workspace, so that the dependencies have the features of every other test.
     counts.step("source tree", || {
         let tests = cargo("test --workspace --test tree");
         Counts::of_output(tests, Counts::of_libtest, |line| println!("{line}"))
     });
     counts
+}
+
+/// Compiles the benchmarks in Rust, which are workspaces of their own.
+fn benchmarks() -> Result<()> {
+    for name in ["codec", "plant"] {
+        let manifest = paths::root().join("benchmarks").join(name).join("Cargo.toml");
+        let mut clippy = cargo("clippy --all-targets --locked --manifest-path");
+        clippy.arg(manifest).args(["--", "-D", "warnings"]);
+        run(clippy.env("CARGO_TARGET_DIR", paths::root().join("target/benchmarks")))?;
+    }
+    Ok(())
 }
 
 /// The cargo that started this program has updated an old `Cargo.lock` already. The sign is a change without a changed

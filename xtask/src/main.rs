@@ -8,6 +8,7 @@ mod codec_size;
 mod command;
 mod counts;
 mod cpu_time;
+mod dependencies;
 mod dissector;
 mod dist;
 mod fuzz;
@@ -23,6 +24,7 @@ mod rings;
 mod schedule;
 mod setup;
 mod silicon;
+mod site;
 mod size;
 mod slurm;
 mod test_programs;
@@ -38,7 +40,7 @@ use clap::Parser;
 enum Chore {
     /// Run every check and every test, after `setup`; the last line is the sum
     Test(rings::Selection),
-    /// Check lockfile, format, clippy, rustdoc, and the source tree; the last line is the sum
+    /// Check lockfile, format, clippy, rustdoc, benchmarks, dependencies, and the source tree; the last line is the sum
     Check,
     /// Install what the tests need and is missing here, after printing what that is
     Setup,
@@ -49,9 +51,11 @@ enum Chore {
     },
     /// Build virtual silicon, the program behind `--device silicon`, into target/virtual-silicon
     Silicon,
-    /// Build the program as one static file, run it, and pack it with licences, completions, man pages and a checksum into
-    /// target/dist
+    /// Build the program as one static file and pack it as archive, wheel, Debian package and crates into target/dist; install
+    /// and run each
     Dist(dist::Dist),
+    /// Write the documentation as a site with a search, and the pages of rustdoc, to target/site
+    Site,
     /// Print the size of the Arm image and fail if it exceeds its limits
     Size,
     /// Plant the bugs of tests/census/board.json in a copy of the tree, one after the other, and count those that a test kills
@@ -80,6 +84,10 @@ fn main() -> Result<ExitCode> {
         }
         Chore::Silicon => silicon::build()?,
         Chore::Dist(dist) => dist.make()?,
+        Chore::Site => {
+            site::make()?;
+            site::add_api()?;
+        }
         Chore::Census { filters } => return census::run(&filters),
         Chore::Size => size::check()?,
         Chore::Header => {

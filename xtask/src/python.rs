@@ -87,10 +87,15 @@ impl Project {
 
     /// A module of the virtual environment, run as a program in this folder, with its arguments.
     pub(crate) fn tool(self, module: &str) -> Command {
-        let mut command = command(interpreter(), &format!("-m {module}"));
+        let mut command = tool(module);
         command.current_dir(self.folder());
         command
     }
+}
+
+/// A module of the virtual environment, run as a program in the workspace, with its arguments.
+pub(crate) fn tool(module: &str) -> Command {
+    command(interpreter(), &format!("-m {module}"))
 }
 
 /// What is installed: the text of `pyproject.toml` and that of the lock file of the readers.

@@ -11,7 +11,7 @@ use crate::counts::Counts;
 use crate::one_test::{Conditions, Test, run_each};
 use crate::python::Project;
 use crate::test_programs::{self, TestProgram};
-use crate::{dist, fuzz, image, silicon, size};
+use crate::{dist, fuzz, image, silicon, site, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -31,7 +31,7 @@ pub(crate) enum Ring {
     Unit,
     /// Tests like those of the unit ring, which take long: random plants, mutants of the drive, damaged frames by the million
     Long,
-    /// Tests of the `lashloop` program and of drives on pseudo-terminals
+    /// The packages, and tests of the `lashloop` program and of drives on pseudo-terminals
     Loop,
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
     Image,
@@ -39,7 +39,7 @@ pub(crate) enum Ring {
     Silicon,
     /// The Cortex-M image on the models of its chip, without the bench: pins, ticks, the time to the bridge off
     Chip,
-    /// The Python package: lint, its own tests, and its drive on the bench
+    /// The Python package: lint, its own tests, and its drive on the bench; the documentation as a site
     Python,
     /// Reports and live pages in headless Chromium
     Browser,
@@ -121,6 +121,7 @@ impl Selection {
             }
             Ring::Python if self.timing != Some(Timing::Timed) => {
                 counts.step("python lint", || Project::Package.lint());
+                counts.step("documentation site", site::make);
                 counts.step("python package", || Project::Package.test());
                 if self.timing == Some(Timing::Untimed) {
                     return counts;
@@ -151,7 +152,7 @@ impl Selection {
                 return counts;
             }
             Ring::Loop if self.timing != Some(Timing::Timed) => {
-                counts.step("static program", || dist::make(dist::Profile::Dev));
+                counts.step("packages", || dist::make(dist::Profile::Dev));
             }
             Ring::Long | Ring::Loop | Ring::Python | Ring::Usb | Ring::Cluster => {}
         }

@@ -3,6 +3,9 @@
 use crate::measure::{Figures, Length};
 use crate::stream;
 
+/// One number of several lengths of a side.
+type LengthOf = fn(&Length) -> f64;
+
 struct Goal {
     what: String,
     found: f64,
@@ -37,7 +40,7 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         goals.push(at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
     }
     let peers = || others.iter().chain([postcard]);
-    let lengths: [(&str, fn(&Length) -> f64); 2] =
+    let lengths: [(&str, LengthOf); 2] =
         [("on average", |length| length.mean), ("at most", |length| length.longest as f64)];
     for (which, len) in lengths {
         let cycle = |side: &Figures| side.bytes.iter().map(len).sum::<f64>();

@@ -7,4 +7,5 @@ mod directions;
 mod lines;
 mod metadata;
 mod production;
+mod versions;
 mod words;

@@ -13,7 +13,7 @@ use object::elf;
 use object::read::elf::{ElfFile64, FileHeader, ProgramHeader};
 use serde_json::Value;
 
-use super::{LOADER, NAME, Profile, VERSION};
+use super::profile::{LOADER, NAME, Profile, VERSION};
 use crate::command::{cargo, command, first_line, output, run};
 use crate::{licences, paths};
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use super::{Profile, VERSION};
+use super::profile::{Profile, VERSION};
 use crate::command::{cargo, command, output, run};
 use crate::paths;
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use super::loader::Glibc;
-use super::{LOADER, NAME, Profile, VERSION};
+use super::profile::{LOADER, NAME, Profile, VERSION};
 use crate::command::{command, first_line, output, run};
 use crate::paths;
 

@@ -13,55 +13,20 @@ mod archive;
 mod crates;
 mod deb;
 mod loader;
+mod profile;
 mod wheel;
 
-use std::path::PathBuf;
-
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use crate::paths;
-
-const NAME: &str = "lashloop";
-/// The loader of FMUs, and its package.
-const LOADER: &str = "lashloop-fmu";
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+use profile::LOADER;
+pub(crate) use profile::Profile;
 
 #[derive(Args)]
 pub(crate) struct Dist {
     /// Profile of the build
     #[arg(long, default_value = "release")]
     profile: Profile,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Profile {
-    /// The one for others
-    Release,
-    /// That of the tests, which have most of it already
-    Dev,
-}
-
-impl Profile {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Release => "release",
-            Self::Dev => "dev",
-        }
-    }
-
-    /// Folder in the target folder.
-    const fn folder(self) -> &'static str {
-        match self {
-            Self::Release => "release",
-            Self::Dev => "debug",
-        }
-    }
-
-    /// Where the packages are.
-    fn target(self) -> PathBuf {
-        paths::root().join("target/dist").join(self.name())
-    }
 }
 
 impl Dist {

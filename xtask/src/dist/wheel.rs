@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 
 use super::loader::Glibc;
-use super::{NAME, Profile, VERSION};
+use super::profile::{NAME, Profile, VERSION};
 use crate::command::{command, output, run};
 use crate::python::Project;
 

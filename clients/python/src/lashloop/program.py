@@ -41,8 +41,8 @@ def find_program() -> Path:
     built = [path for folder in _target_folders() for path in _builds(folder) if path.is_file()]
     if not built:
         raise ProgramNotFoundError(
-            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop-cli` in a checkout, install "
-            f"the wheel that has it, put it into PATH, or name it in {VARIABLE}"
+            f"there is no program {_NAME}: build it with `cargo build --release -p lashloop-cli` in a checkout, take "
+            f"the wheel that has it, put one into PATH, or name it in {VARIABLE}"
         )
     return max(built, key=lambda path: path.stat().st_mtime)
 
