@@ -6,11 +6,12 @@ use crate::arm_toolchain::{ArmToolchain, TARGET};
 use crate::command::{command, is_installed, run};
 use crate::{apt, python, slurm, usb_guest};
 
-/// Programs that the tests call, each with the Debian package that has it.
-const PROGRAMS: [(&str, &str); 7] = [
+/// Programs that the tests call, each with the Debian packages that it needs.
+const PROGRAMS: [(&str, &str); 8] = [
     ("qemu-system-arm", "qemu-system-arm"),
     ("tshark", "tshark"),
     ("c++", "g++"),
+    ("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi"),
     ("ser2net", "ser2net"),
     ("stm32flash", "stm32flash"),
     ("chromium", "chromium"),
@@ -31,7 +32,7 @@ pub(crate) fn install_missing() -> Result<()> {
     let needs_python_package = !python::is_set_up();
     let needs_usb_guest = usb_guest::is_possible() && !usb_guest::is_set_up();
     let needs_slurm = slurm::is_possible() && !slurm::is_set_up();
-    let mut packages: Vec<_> = missing_programs().map(|(_, package)| package).collect();
+    let mut packages: Vec<_> = missing_programs().flat_map(|(_, names)| names.split(' ')).collect();
     if needs_python_package && python::find().is_none() {
         packages.extend(DEBIAN_PYTHON);
     }
