@@ -34,7 +34,7 @@ use tests::{fault_table, optional, own_core, rom_loader};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 24] = [
+const TRIALS: [(&str, Check); 25] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -48,6 +48,7 @@ const TRIALS: [(&str, Check); 24] = [
     ("bench_mode::other_boards_have_the_torques_of_the_process", bench_mode::hil_of_other_boards),
     ("walk::the_page_about_a_board_of_your_own_leads_there", walk::own_board),
     ("walk::the_page_about_an_image_in_c_leads_to_a_pass", walk::image_in_c),
+    ("walk::the_image_in_c_conforms", walk::image_in_c_conforms),
     ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),
     ("bench_mode::a_silent_host_trips_the_watchdog", bench_mode::unplugged_for_a_while),
     ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),
