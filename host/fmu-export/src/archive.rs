@@ -40,7 +40,7 @@ pub fn export(
 ) -> Result<Vec<u8>, ExportError> {
     part.check(scenario)?;
     let platform = platform(version)?;
-    let source = Source::of(scenario, part)?;
+    let source = Source::of(scenario, part, version)?;
     let interface = part.interface(&source)?;
     let source = source.packed()?;
     let token = source.token();
@@ -51,11 +51,12 @@ pub fn export(
         fs::read(library).map_err(|source| ExportError::File { path: library.to_owned(), source })?;
     let binary_name = format!("binaries/{platform}/{}.so", part.identifier());
     let in_resources = |name: &str| format!("resources/{name}");
+    let kind = source.kind();
     let mut files = vec![
         ("modelDescription.xml".to_owned(), &*description),
         (binary_name, &*binary),
         (in_resources(SCENARIO), source.text.as_bytes()),
-        (in_resources(PART), part.name().as_bytes()),
+        (in_resources(PART), kind.as_bytes()),
     ];
     files.extend(source.table.as_deref().map(|table| (in_resources(TABLE), table)));
     pack(&files).map_err(unwritten)

@@ -20,6 +20,12 @@ pub enum Version {
 }
 
 impl Version {
+    /// The version of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Two, Self::Three].into_iter().find(|version| version.name() == name)
+    }
+
     /// `2.0` or `3.0`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -79,11 +85,10 @@ impl Described<'_> {
             })?;
             empty(xml, "DefaultExperiment", &self.experiment())?;
             element(xml, "ModelVariables", &[], |xml| {
-                self.interface
-                    .variables
-                    .iter()
-                    .enumerate()
-                    .try_for_each(|(index, it)| self.variable(xml, index, it))
+                // Version 2.0 doesn't need the time, and FMI Library, which many importers use, wants a start value of it.
+                let first = if version == Version::Two { 1 } else { 0 };
+                let mut variables = self.interface.variables.iter().enumerate().skip(first);
+                variables.try_for_each(|(index, it)| self.variable(xml, index, it))
             })?;
             element(xml, "ModelStructure", &[], |xml| self.structure(xml))
         })?;
@@ -191,8 +196,8 @@ impl Described<'_> {
         let outputs = self.interface.outputs.clone();
         match self.version {
             Version::Two => {
-                // Indices begin at 1 there.
-                let index = |output: usize| ("index", (output + 1).to_string());
+                // Indices begin at 1 there, and the time, which would have the first, isn't described.
+                let index = |output: usize| ("index", output.to_string());
                 let none = ("dependencies", String::new());
                 element(xml, "Outputs", &[], |xml| {
                     outputs.clone().try_for_each(|it| empty(xml, "Unknown", &[index(it), none.clone()]))

@@ -11,6 +11,7 @@
 //! | `plant` | the plant with encoders and the line to the motor, advanced by a torque |
 //! | `drive` | the drive with its reference, advanced by counts |
 //! | `instance` | [`Instance`]: the calls of an importer in their order |
+//! | `location` | where an importer says that the resources are |
 //! | `snapshot` | the state of an instance, saved and restored |
 //! | `unit` | units in the terms of FMI |
 //! | `description` | `modelDescription.xml` |
@@ -25,6 +26,7 @@ mod description;
 mod drive;
 mod error;
 mod instance;
+mod location;
 mod part;
 mod plant;
 mod snapshot;
@@ -36,6 +38,7 @@ pub use archive::{export, library};
 pub use description::Version;
 pub use error::ExportError;
 pub use instance::Instance;
+pub use location::folder;
 pub use part::Part;
 pub use snapshot::Snapshot;
 pub use variable::{Kind, Value};

@@ -8,6 +8,7 @@ use lashloop_bench::run::digest::sha256;
 use lashloop_bench::scenario::{Override, Scenario, unit};
 use toml_edit::{DocumentMut, Item, Table, Value as Toml};
 
+use crate::description::Version;
 use crate::error::ExportError;
 use crate::part::Part;
 use crate::variable::{Role, Value, Variable};
@@ -15,7 +16,7 @@ use crate::variable::{Role, Value, Variable};
 pub(crate) const SCENARIO: &str = "scenario.toml";
 /// The table of the reference, if it has one.
 pub(crate) const TABLE: &str = "reference.csv";
-/// Which half of the loop the FMU is.
+/// Which half of the loop the FMU is, and for which FMI: `plant 2.0`.
 pub(crate) const PART: &str = "part.txt";
 /// An importer sets parameters for reasons of its own, so that no value is a likely mistake.
 const ALL_IS_MEANT: &str = r#"meant=["start", "mismatch", "large-angle"]"#;
@@ -26,6 +27,7 @@ const TOKEN: usize = 32;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Source {
     pub(crate) part: Part,
+    version: Version,
     /// The scenario in TOML with every default.
     pub(crate) text: String,
     /// The table of its reference.
@@ -36,9 +38,9 @@ pub(crate) struct Source {
 
 impl Source {
     /// The source for a scenario that was read.
-    pub(crate) fn of(scenario: &Scenario, part: Part) -> Result<Self, ExportError> {
+    pub(crate) fn of(scenario: &Scenario, part: Part, version: Version) -> Result<Self, ExportError> {
         let text = scenario.to_toml().map_err(|error| ExportError::Damaged(error.to_string()))?;
-        Ok(Self { part, text, table: None, folder: PathBuf::new() })
+        Ok(Self { part, version, text, table: None, folder: PathBuf::new() })
     }
 
     /// The source as it is in the resources, with the table of the reference.
@@ -58,17 +60,24 @@ impl Source {
             String::from_utf8(bytes).map_err(|error| ExportError::Damaged(format!("{name}: {error}")))
         };
         let named = text(PART)?;
-        let part =
-            Part::named(named.trim()).ok_or_else(|| ExportError::Damaged(format!("{PART} has {named:?}")))?;
+        let words = named.split_once(' ');
+        let known = words.and_then(|(part, version)| Some((Part::named(part)?, Version::named(version)?)));
+        let (part, version) = known.ok_or_else(|| ExportError::Damaged(format!("{PART} has {named:?}")))?;
         let table = folder.join(TABLE);
         let table = table.is_file().then(|| read(&table)).transpose()?;
-        Ok(Self { part, text: text(SCENARIO)?, table, folder: folder.to_owned() })
+        Ok(Self { part, version, text: text(SCENARIO)?, table, folder: folder.to_owned() })
     }
 
-    /// What description and library agree on: the same scenario, part and version.
+    /// The content of [`PART`].
+    pub(crate) fn kind(&self) -> String {
+        format!("{} {}", self.part.name(), self.version.name())
+    }
+
+    /// What description and library agree on: the same scenario, part and versions. Importers take FMUs with one token for the
+    /// same, and may unpack only one of them.
     pub(crate) fn token(&self) -> String {
         let table = self.table.as_deref().map(sha256).unwrap_or_default();
-        let all = format!("{}\n{}\n{table}\n{}", env!("CARGO_PKG_VERSION"), self.part.name(), self.text);
+        let all = format!("{}\n{}\n{table}\n{}", env!("CARGO_PKG_VERSION"), self.kind(), self.text);
         sha256(all.as_bytes())[..TOKEN].to_owned()
     }
 

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::ffi::{CString, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lashloop_fmu_export::{ExportError, Instance, Kind, Snapshot, Value};
+use lashloop_fmu_export::{ExportError, Instance, Kind, Snapshot, Value, folder};
 
 use crate::texts::{self, Text, array, array_mut, to_c};
 
@@ -38,8 +38,7 @@ pub(crate) struct Component {
 pub(crate) unsafe fn instantiate(token: Text, resources: Text, log: Box<dyn Log>) -> Pointer {
     // SAFETY: as the caller promises.
     let (token, resources) = unsafe { (texts::of_c(token), texts::of_c(resources)) };
-    let made =
-        catch_unwind(|| Instance::new(&texts::folder(&resources), &token).map_err(|error| error.to_string()));
+    let made = catch_unwind(|| Instance::new(&folder(&resources), &token).map_err(|error| error.to_string()));
     match made.unwrap_or_else(|panic| Err(panic_text(&*panic))) {
         Ok(instance) => Box::into_raw(Box::new(Component { instance, log, given: Vec::new() })).cast(),
         Err(error) => {

@@ -1,7 +1,6 @@
 //! Texts and arrays of C.
 
 use std::ffi::{CStr, CString, c_char};
-use std::path::PathBuf;
 use std::slice;
 
 pub(crate) type Text = *const c_char;
@@ -45,24 +44,4 @@ pub(crate) unsafe fn array_mut<'a, T>(first: *mut T, count: usize) -> &'a mut [T
     }
     // SAFETY: as the caller promises.
     unsafe { slice::from_raw_parts_mut(first, count) }
-}
-
-/// The folder of a `file:` URI, or of a plain path.
-pub(crate) fn folder(location: &str) -> PathBuf {
-    let Some(rest) = location.strip_prefix("file:") else { return location.into() };
-    // An empty host, or that of this machine.
-    let path = rest.strip_prefix("//").map_or(rest, |rest| rest.strip_prefix("localhost").unwrap_or(rest));
-    let mut bytes = Vec::new();
-    let mut rest = path.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let decoded = match rest {
-            [b'%', high, low, ..] => std::str::from_utf8(&[*high, *low])
-                .ok()
-                .and_then(|digits| u8::from_str_radix(digits, 16).ok()),
-            _ => None,
-        };
-        bytes.push(decoded.unwrap_or(*first));
-        rest = if decoded.is_some() { &rest[3..] } else { tail };
-    }
-    String::from_utf8_lossy(&bytes).into_owned().into()
 }

@@ -14,6 +14,8 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/conformance", 8_350),
     ("host/decode", 1_100),
     ("host/fmu", 1_300),
+    ("host/fmu-export", 1_250),
+    ("host/fmu-library", 800),
     ("host/hardware", 2_750),
     ("host/identify", 3_350),
     ("host/link", 1_600),

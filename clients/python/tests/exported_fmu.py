@@ -1,0 +1,116 @@
+"""FMUs that `lashloop fmu export` writes, loaded by FMPy, and a master that couples two of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import struct
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+
+from support import WORKSPACE, program
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+SCENARIOS = WORKSPACE / "scenarios"
+
+
+def settings(changes: list[str]) -> list[str]:
+    return [word for change in changes for word in ("--set", change)]
+
+
+def export(scenario: str, part: str, fmi: str, folder: Path, changes: list[str] | None = None) -> Path:
+    file = folder / f"{part}{fmi}.fmu"
+    words = ["fmu", "export", SCENARIOS / scenario, "--of", part, "--fmi", fmi, "--out", file, *settings(changes or [])]
+    subprocess.run([program(), *words], check=True, capture_output=True)
+    return file
+
+
+def torques_of_run(scenario: Path | str, changes: list[str]) -> str:
+    """`torque_sha256` of a run in lockstep, whatever its verdict."""
+    words = ["run", SCENARIOS / scenario, "--device", "inproc", "--json", *settings(changes)]
+    ended = subprocess.run([program(), *words], check=False, capture_output=True, text=True)
+    assert ended.returncode in (0, 1), ended.stderr
+    return str(json.loads(ended.stdout)["torque_sha256"])
+
+
+@dataclass
+class Fmu:
+    """An instance of an FMU, unpacked into a folder of its own."""
+
+    file: Path
+    start: dict[str, Any] = field(default_factory=dict)
+    start_s: float = 0.0
+
+    def __enter__(self) -> Fmu:
+        self.about = read_model_description(str(self.file))
+        self.variables = {variable.name: variable for variable in self.about.modelVariables}
+        self.folder = extract(str(self.file))
+        is_two = self.about.fmiVersion == "2.0"
+        identifier = self.about.coSimulation.modelIdentifier
+        kind = FMU2Slave if is_two else FMU3Slave
+        guid = self.about.guid if is_two else self.about.instantiationToken
+        self.fmu = kind(
+            guid=guid, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=self.file.stem
+        )
+        self.fmu.instantiate()
+        self.initialize()
+        return self
+
+    def initialize(self) -> None:
+        is_two = self.about.fmiVersion == "2.0"
+        if is_two:
+            self.fmu.setupExperiment(startTime=self.start_s)
+        for name, value in self.start.items():
+            self.set(name, value)
+        if is_two:
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(startTime=self.start_s)
+        self.fmu.exitInitializationMode()
+
+    def __exit__(self, kind: type[BaseException] | None, _: BaseException | None, __: TracebackType | None) -> None:
+        if kind is None:
+            self.fmu.terminate()
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder)
+
+    def get(self, name: str) -> Any:
+        variable = self.variables[name]
+        return getattr(self.fmu, f"get{variable.type}")([variable.valueReference])[0]
+
+    def set(self, name: str, value: Any) -> None:
+        variable = self.variables[name]
+        getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [value])
+
+    @property
+    def period_s(self) -> float:
+        return float(self.about.defaultExperiment.stepSize)
+
+    @property
+    def steps(self) -> int:
+        return round(float(self.about.defaultExperiment.stopTime) / self.period_s)
+
+
+def torques_of_pair(plant_file: Path, drive_file: Path) -> str:
+    """`torque_sha256` of both FMUs under a master that steps the drive first."""
+    digest = hashlib.sha256()
+    with Fmu(plant_file) as plant, Fmu(drive_file) as drive:
+        for step in range(plant.steps):
+            time_s = step * plant.period_s
+            for counts in ("motor_counts", "load_counts"):
+                drive.set(counts, plant.get(counts))
+            drive.fmu.doStep(time_s, plant.period_s)
+            torque_nm = drive.get("torque_nm")
+            digest.update(struct.pack("<f", torque_nm))
+            plant.set("torque_nm", torque_nm)
+            plant.fmu.doStep(time_s, plant.period_s)
+    return digest.hexdigest()
