@@ -44,16 +44,17 @@ def torques_of_run(scenario: Path | str, changes: list[str]) -> str:
 
 @dataclass
 class Fmu:
-    """An instance of an FMU, unpacked into a folder of its own."""
+    """An instance of an FMU, unpacked into this folder or into one of its own. FMPy unloads the library at the end."""
 
     file: Path
     start: dict[str, Any] = field(default_factory=dict)
     start_s: float = 0.0
+    unpacked: str | None = None
 
     def __enter__(self) -> Fmu:
         self.about = read_model_description(str(self.file))
         self.variables = {variable.name: variable for variable in self.about.modelVariables}
-        self.folder = extract(str(self.file))
+        self.folder = self.unpacked or extract(str(self.file))
         is_two = self.about.fmiVersion == "2.0"
         identifier = self.about.coSimulation.modelIdentifier
         kind = FMU2Slave if is_two else FMU3Slave
@@ -81,7 +82,8 @@ class Fmu:
         if kind is None:
             self.fmu.terminate()
         self.fmu.freeInstance()
-        shutil.rmtree(self.folder)
+        if self.unpacked is None:
+            shutil.rmtree(self.folder)
 
     def get(self, name: str) -> Any:
         variable = self.variables[name]

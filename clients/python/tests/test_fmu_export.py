@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fmpy import simulate_fmu
+from fmpy import extract, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
@@ -175,23 +175,23 @@ def memory_kib() -> int:
 @pytest.mark.parametrize("part", ["plant", "drive"])
 def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str, fmi: str) -> None:
     file = export(SHAFT, part, fmi, tmp_path)
-    with Fmu(file) as fmu:
-        before = 0
-        for run in range(500):
-            fmu.fmu.terminate()
-            if run % 2:
-                fmu.fmu.reset()
-            else:
-                fmu.fmu.freeInstance()
-                fmu.fmu.instantiate()
-            fmu.initialize()
-            for step in range(20):
-                fmu.fmu.doStep(step * fmu.period_s, fmu.period_s)
-            if run == 100:
-                before = memory_kib()
-        growth_kib = memory_kib() - before
-        threads = len(list(Path("/proc/self/task").iterdir()))
-    assert growth_kib < 1024, f"{growth_kib} KiB in 400 runs"
+    folder = extract(str(file))
+    before = 0
+    for run in range(250):
+        # Each instance makes two runs, and its library is loaded and unloaded.
+        with Fmu(file, unpacked=folder) as fmu:
+            for again in (False, True):
+                if again:
+                    fmu.fmu.terminate()
+                    fmu.fmu.reset()
+                    fmu.initialize()
+                for step in range(20):
+                    fmu.fmu.doStep(step * fmu.period_s, fmu.period_s)
+        if run == 125:
+            before = memory_kib()
+    growth_kib = memory_kib() - before
+    threads = len(list(Path("/proc/self/task").iterdir()))
+    assert growth_kib < 1024, f"{growth_kib} KiB in 248 runs"
     assert threads < 20, "threads that instances have left"
 
 
@@ -248,9 +248,9 @@ def test_a_drive_follows_a_reference_from_outside(tmp_path: Path) -> None:
             fmu.set("reference_rad", 0.25)
             fmu.fmu.doStep(0.0, fmu.period_s)
             assert fmu.get("sent_reference_rad") == want_rad
-            # The encoders stand at 0.
-            assert fmu.get("drive.load_error_rad") == pytest.approx(want_rad, abs=1e-6)
-            assert (fmu.get("torque_nm") != 0.0) == is_external
+            # The encoders stand at 0, and a count is 1.6 mrad.
+            assert fmu.get("drive.load_error_rad") == pytest.approx(want_rad, abs=1e-3)
+            assert (fmu.get("torque_nm") > 0.5) == is_external
 
 
 def test_fmpy_simulates_a_plant_with_a_changed_parameter(tmp_path: Path) -> None:

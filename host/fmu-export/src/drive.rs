@@ -10,8 +10,8 @@ use lashloop_bench::timing::ClockName;
 use lashloop_link::TimeBase;
 use lashloop_plant::Signal;
 use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::ParameterValue;
-use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::enums::{ParameterValue, State};
+use lashloop_protocol::message::{EncoderSample, FaultReport, TorqueAnswer};
 use lashloop_protocol::parameter_names::{
     BENCH_SAMPLE_EVERY, CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, SAMPLE_SOURCE,
     WATCHDOG_US,
@@ -129,31 +129,45 @@ impl Drive {
             load_counts: counts(load_counts),
             reference_rad: self.reference_rad as f32,
         };
-        let session = &mut self.device.session;
-        let deadline = session.line.now() + self.scenario.link.answer_timeout();
-        let no_torque = |reason| ExportError::NoTorque { time_s, reason };
-        match session.exchange(self.step, &sample, deadline) {
-            Ok(Exchange::Answered(answer)) => self.torque_nm = answer.torque_nm,
-            Ok(Exchange::Faulted(fault)) => {
-                self.torque_nm = 0.0;
-                let (value, limit) = (fault.value, fault.limit);
-                return Err(no_torque(format!("it latched {} (value {value}, limit {limit})", fault.code)));
-            }
-            Ok(Exchange::Unanswered | Exchange::Rejected) => {
-                return Err(no_torque("it doesn't answer".to_owned()));
-            }
-            Err(source) => return Err(self.device.explain(source).into()),
+        let answer = self.exchange(&sample, time_s)?;
+        self.torque_nm = answer.torque_nm;
+        // The telemetry of a sample follows its torque, as does the report of a fault.
+        self.read_pending()?;
+        if answer.status.state != State::Running {
+            let reason = match &self.device.session.line.fault {
+                Some(fault) => fault_text(fault),
+                None => format!("its state is {}", answer.status.state),
+            };
+            return Err(ExportError::NoTorque { time_s, reason });
         }
-        // The telemetry of a sample follows its torque.
-        let now = session.line.now();
-        session.line.wait(now, |_| None::<()>).map_err(|source| self.device.connection.explain(source))?;
-        if let Some(telemetry) = &session.line.telemetry {
+        if let Some(telemetry) = &self.device.session.line.telemetry {
             for (signal, sent) in self.signals.iter_mut().zip(telemetry.values.as_slice()) {
                 *signal = f64::from(*sent);
             }
         }
         self.step += 1;
         Ok(())
+    }
+
+    fn exchange(&mut self, sample: &EncoderSample, time_s: f64) -> Result<TorqueAnswer, ExportError> {
+        let session = &mut self.device.session;
+        let deadline = session.line.now() + self.scenario.link.answer_timeout();
+        let reason = match session.exchange(self.step, sample, deadline) {
+            Ok(Exchange::Answered(answer)) => return Ok(answer),
+            Ok(Exchange::Faulted(fault)) => fault_text(&fault),
+            Ok(Exchange::Unanswered | Exchange::Rejected) => "it doesn't answer".to_owned(),
+            Err(source) => return Err(self.device.explain(source).into()),
+        };
+        self.torque_nm = 0.0;
+        Err(ExportError::NoTorque { time_s, reason })
+    }
+
+    fn read_pending(&mut self) -> Result<(), ExportError> {
+        let line = &mut self.device.session.line;
+        let now = line.now();
+        line.wait(now, |_| None::<()>)
+            .map(|_| ())
+            .map_err(|source| self.device.connection.explain(source).into())
     }
 
     /// Writes the outputs, in the order of the interface.
@@ -164,6 +178,10 @@ impl Drive {
             *output = Value::Real(*value);
         }
     }
+}
+
+fn fault_text(fault: &FaultReport) -> String {
+    format!("it latched {} (value {}, limit {})", fault.code, fault.value, fault.limit)
 }
 
 /// A drive with the settings of the scenario, and the signals of its telemetry, which comes with every sample.
