@@ -8,7 +8,6 @@ import shutil
 import struct
 import subprocess
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fmpy import extract, read_model_description
@@ -18,25 +17,38 @@ from fmpy.fmi3 import FMU3Slave
 from support import WORKSPACE, program
 
 if TYPE_CHECKING:
+    from pathlib import Path
     from types import TracebackType
 
 SCENARIOS = WORKSPACE / "scenarios"
 
 
-def settings(changes: list[str]) -> list[str]:
+def _settings(changes: list[str]) -> list[str]:
     return [word for change in changes for word in ("--set", change)]
 
 
 def export(scenario: str, part: str, fmi: str, folder: Path, changes: list[str] | None = None) -> Path:
+    """The FMU of a part of a scenario."""
     file = folder / f"{part}{fmi}.fmu"
-    words = ["fmu", "export", SCENARIOS / scenario, "--of", part, "--fmi", fmi, "--out", file, *settings(changes or [])]
+    words: list[str | Path] = [
+        "fmu",
+        "export",
+        SCENARIOS / scenario,
+        "--of",
+        part,
+        "--fmi",
+        fmi,
+        "--out",
+        file,
+        *_settings(changes or []),
+    ]
     subprocess.run([program(), *words], check=True, capture_output=True)
     return file
 
 
 def torques_of_run(scenario: Path | str, changes: list[str]) -> str:
     """`torque_sha256` of a run in lockstep, whatever its verdict."""
-    words = ["run", SCENARIOS / scenario, "--device", "inproc", "--json", *settings(changes)]
+    words: list[str | Path] = ["run", SCENARIOS / scenario, "--device", "inproc", "--json", *_settings(changes)]
     ended = subprocess.run([program(), *words], check=False, capture_output=True, text=True)
     assert ended.returncode in (0, 1), ended.stderr
     return str(json.loads(ended.stdout)["torque_sha256"])
@@ -52,6 +64,7 @@ class Fmu:
     unpacked: str | None = None
 
     def __enter__(self) -> Fmu:
+        """Loads and initializes it."""
         self.about = read_model_description(str(self.file))
         self.variables = {variable.name: variable for variable in self.about.modelVariables}
         self.folder = self.unpacked or extract(str(self.file))
@@ -59,14 +72,13 @@ class Fmu:
         identifier = self.about.coSimulation.modelIdentifier
         kind = FMU2Slave if is_two else FMU3Slave
         guid = self.about.guid if is_two else self.about.instantiationToken
-        self.fmu = kind(
-            guid=guid, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=self.file.stem
-        )
+        self.fmu = kind(guid=guid, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=self.file.stem)
         self.fmu.instantiate()
         self.initialize()
         return self
 
     def initialize(self) -> None:
+        """Sets the start values and goes through the initialization."""
         is_two = self.about.fmiVersion == "2.0"
         if is_two:
             self.fmu.setupExperiment(startTime=self.start_s)
@@ -79,6 +91,7 @@ class Fmu:
         self.fmu.exitInitializationMode()
 
     def __exit__(self, kind: type[BaseException] | None, _: BaseException | None, __: TracebackType | None) -> None:
+        """Ends the simulation and frees the instance."""
         if kind is None:
             self.fmu.terminate()
         self.fmu.freeInstance()
@@ -86,19 +99,23 @@ class Fmu:
             shutil.rmtree(self.folder)
 
     def get(self, name: str) -> Any:
+        """The value of a variable."""
         variable = self.variables[name]
         return getattr(self.fmu, f"get{variable.type}")([variable.valueReference])[0]
 
     def set(self, name: str, value: Any) -> None:
+        """Sets a variable."""
         variable = self.variables[name]
         getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [value])
 
     @property
     def period_s(self) -> float:
+        """The control period in s."""
         return float(self.about.defaultExperiment.stepSize)
 
     @property
     def steps(self) -> int:
+        """The control periods of the scenario."""
         return round(float(self.about.defaultExperiment.stopTime) / self.period_s)
 
 

@@ -33,7 +33,8 @@ LOSSY = [
 ]
 FAULTY = [
     "fault=[{at_s=0.5, for_s=0.2, kind='torque-gain', gain=0.5}, {at_s=0.8, kind='torque-delay', steps=2}, "
-    "{at_s=1, for_s=0.3, kind='encoder-noise', side='motor', counts=3}, {at_s=1.5, kind='gap-growth', growth_rad=0.05}]",
+    "{at_s=1, for_s=0.3, kind='encoder-noise', side='motor', counts=3}, "
+    "{at_s=1.5, kind='gap-growth', growth_rad=0.05}]",
     "run.duration_s=2",
     "expect=[]",
 ]
@@ -41,29 +42,30 @@ FAULTY = [
 
 @pytest.mark.parametrize("fmi", ["2", "3"])
 @pytest.mark.parametrize("part", ["plant", "drive"])
-@pytest.mark.parametrize("scenario", [SHAFT, "shaft-bridge.toml", "shaft-triangle.toml"])
-def test_a_description_has_no_problem(tmp_path: Path, scenario: str, part: str, fmi: str) -> None:
-    assert validate_fmu(str(export(scenario, part, fmi, tmp_path))) == []
+def test_a_description_has_no_problem(tmp_path: Path, part: str, fmi: str) -> None:
+    for scenario in ("shaft-bridge.toml", "shaft-triangle.toml"):
+        assert validate_fmu(str(export(scenario, part, fmi, tmp_path))) == []
 
 
 @pytest.mark.parametrize(
-    ("scenario", "changes"),
+    ("fmi", "scenario", "changes"),
     [
-        (SMOOTH, ["run.duration_s=5", "expect=[]"]),
-        (SHAFT, ["run.duration_s=5", "expect=[]"]),
-        ("shaft-bridge.toml", ["run.duration_s=2", "expect=[]"]),
-        ("shaft-triangle.toml", ["run.duration_s=3", "expect=[]"]),
-        ("shaft-load-step.toml", ["run.duration_s=4", "expect=[]"]),
-        (SHAFT, LOSSY),
-        (SHAFT, FAULTY),
+        ("2", SMOOTH, ["run.duration_s=5", "expect=[]"]),
+        ("3", SHAFT, ["run.duration_s=5", "expect=[]"]),
+        ("2", "shaft-bridge.toml", ["run.duration_s=2", "expect=[]"]),
+        ("3", "shaft-triangle.toml", ["run.duration_s=3", "expect=[]"]),
+        ("2", "shaft-load-step.toml", ["run.duration_s=4", "expect=[]"]),
+        ("2", SHAFT, LOSSY),
+        ("3", SHAFT, LOSSY),
+        ("2", SHAFT, FAULTY),
     ],
-    ids=["smooth", "delayed", "bridge", "table", "load", "lossy", "faulty"],
+    ids=["smooth", "delayed", "bridge", "table", "load", "lossy in 2.0", "lossy in 3.0", "faulty"],
 )
-def test_a_pair_gives_the_torques_of_a_run_bit_for_bit(tmp_path: Path, scenario: str, changes: list[str]) -> None:
-    want = torques_of_run(scenario, changes)
-    for fmi in ("2", "3"):
-        plant, drive = (export(scenario, part, fmi, tmp_path, changes) for part in ("plant", "drive"))
-        assert torques_of_pair(plant, drive) == want, f"FMI {fmi}"
+def test_a_pair_gives_the_torques_of_a_run_bit_for_bit(
+    tmp_path: Path, fmi: str, scenario: str, changes: list[str]
+) -> None:
+    plant, drive = (export(scenario, part, fmi, tmp_path, changes) for part in ("plant", "drive"))
+    assert torques_of_pair(plant, drive) == torques_of_run(scenario, changes)
 
 
 STRUCTURE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -249,7 +251,7 @@ def test_a_drive_follows_a_reference_from_outside(tmp_path: Path) -> None:
             fmu.fmu.doStep(0.0, fmu.period_s)
             assert fmu.get("sent_reference_rad") == want_rad
             # The encoders stand at 0, and a count is 1.6 mrad.
-            assert fmu.get("drive.load_error_rad") == pytest.approx(want_rad, abs=1e-3)
+            assert fmu.get("drive.load_error_rad") == pytest.approx(-want_rad, abs=1e-3)
             assert (fmu.get("torque_nm") > 0.5) == is_external
 
 
@@ -264,7 +266,7 @@ def test_fmpy_simulates_a_plant_with_a_changed_parameter(tmp_path: Path) -> None
 
 def test_what_cannot_be_exported_is_refused_with_the_reason(tmp_path: Path) -> None:
     def refused(*words: str) -> str:
-        command = [program(), "fmu", "export", SCENARIOS / SHAFT, *words, "--out", tmp_path / "a.fmu"]
+        command: list[str | Path] = [program(), "fmu", "export", SCENARIOS / SHAFT, *words, "--out", tmp_path / "a.fmu"]
         ended = subprocess.run(command, check=False, capture_output=True, text=True)
         assert ended.returncode == 2
         return ended.stderr

@@ -72,7 +72,13 @@ fn real(instance: &mut Instance, reference: u32) -> f64 {
 
 #[test]
 fn a_pair_gives_the_torques_of_a_run_bit_for_bit() {
-    let lossy = ["run.duration_s=1.5", "encoders.noise_counts=1.5", "line.jitter_us=2500", "line.loss=0.05"];
+    let lossy = [
+        "run.duration_s=1.5",
+        "encoders.noise_counts=1.5",
+        "line.jitter_us=2500",
+        "line.loss=0.05",
+        "expect=[]",
+    ];
     for (name, settings) in [
         ("shaft-pd.toml", &lossy[..]),
         ("shaft-bridge.toml", &["run.duration_s=1"][..]),
