@@ -12,10 +12,11 @@ use zip::write::SimpleFileOptions;
 use crate::description::{Described, Version};
 use crate::error::ExportError;
 use crate::part::Part;
+use crate::side::Side;
 use crate::source::{PART, SCENARIO, Source, TABLE};
 
 /// The library that every FMU has.
-pub(crate) const LIBRARY: &str = "liblashloop_fmu.so";
+const LIBRARY: &str = "liblashloop_fmu.so";
 
 /// Path of the library, next to this program.
 ///
@@ -25,7 +26,7 @@ pub fn library() -> Result<PathBuf, ExportError> {
     let failed = |source| ExportError::File { path: PathBuf::from("this program"), source };
     let program = env::current_exe().map_err(failed)?;
     let library = program.with_file_name(LIBRARY);
-    if library.is_file() { Ok(library) } else { Err(ExportError::NoLibrary { program }) }
+    if library.is_file() { Ok(library) } else { Err(ExportError::NoLibrary { library: LIBRARY, program }) }
 }
 
 /// The bytes of an FMU: this part of a scenario with this library.
@@ -41,7 +42,7 @@ pub fn export(
     part.check(scenario)?;
     let platform = platform(version)?;
     let source = Source::of(scenario, part, version)?;
-    let interface = part.interface(&source)?;
+    let interface = Side::interface(&source)?;
     let source = source.packed()?;
     let token = source.token();
     let described = Described { version, part, scenario, interface: &interface, token: &token };

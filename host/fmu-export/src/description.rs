@@ -6,7 +6,8 @@ use std::io;
 use lashloop_bench::scenario::Scenario;
 use quick_xml::Writer;
 
-use crate::part::{Interface, Part};
+use crate::interface::Interface;
+use crate::part::Part;
 use crate::unit;
 use crate::variable::{Kind, Role, Value, Variable};
 

@@ -19,7 +19,7 @@ use lashloop_protocol::parameter_names::{
 use lashloop_session::{Exchange, Parameter, Session};
 
 use crate::error::ExportError;
-use crate::part::Interface;
+use crate::interface::Interface;
 use crate::plant::seconds;
 use crate::source::Source;
 use crate::variable::{Role, Value, Variable};

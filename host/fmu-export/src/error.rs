@@ -44,12 +44,13 @@ pub enum ExportError {
     },
     /// The library isn't there.
     #[error(
-        "there is no {} next to {}: it comes with the archive of a release, and `cargo programs` builds it; --library names \
+        "there is no {library} next to {}: it comes with the archive of a release, and `cargo programs` builds it; --library names \
          another place",
-        super::archive::LIBRARY,
         program.display()
     )]
     NoLibrary {
+        /// Its name.
+        library: &'static str,
         /// This program.
         program: PathBuf,
     },

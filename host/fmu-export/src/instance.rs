@@ -7,10 +7,11 @@ use std::path::Path;
 
 use lashloop_bench::scenario::Scenario;
 
-use crate::drive::{Drive, EXTERNAL};
+use crate::drive::EXTERNAL;
 use crate::error::ExportError;
-use crate::part::{Interface, Part};
+use crate::interface::Interface;
 use crate::plant::{PlantSide, seconds};
+use crate::side::Side;
 use crate::snapshot::{Phase, Snapshot};
 use crate::source::{Source, spelled};
 use crate::variable::{Kind, Role, Value, Variable};
@@ -32,12 +33,6 @@ pub struct Instance {
     side: Option<Side>,
 }
 
-/// What an instance advances.
-enum Side {
-    Plant(Box<PlantSide>),
-    Drive(Box<Drive>),
-}
-
 impl Instance {
     /// An instance of the FMU with these resources. `token` is what the importer found in the description.
     ///
@@ -50,7 +45,7 @@ impl Instance {
             let reason = format!("the description has the token {token:?}, and its resources {own:?}");
             return Err(ExportError::Damaged(reason));
         }
-        let interface = source.part.interface(&source)?;
+        let interface = Side::interface(&source)?;
         let values = interface.variables.iter().map(|variable| variable.start.clone()).collect();
         let phase = Phase::Instantiated;
         Ok(Self {
@@ -157,10 +152,8 @@ impl Instance {
             return wrong("a step must be above 0".to_owned());
         }
         let inputs = &self.values[self.interface.inputs.clone()];
-        match &mut self.side {
-            Some(Side::Plant(plant)) => plant.advance(inputs[0].real(), until_ns)?,
-            Some(Side::Drive(drive)) => drive.advance(inputs, until_ns)?,
-            None => {}
+        if let Some(side) = &mut self.side {
+            side.advance(inputs, until_ns)?;
         }
         self.at_ns = until_ns;
         self.refresh();
@@ -188,12 +181,11 @@ impl Instance {
     /// # Errors
     /// The FMU's states can't be saved, as its description says.
     pub fn save(&self) -> Result<Snapshot, ExportError> {
-        let unsaved = ExportError::State("this FMU can't save its state");
-        let plant = match &self.side {
-            Some(Side::Plant(plant)) => Some(plant.save().ok_or(unsaved)?),
-            None if self.interface.can_be_saved => None,
-            _ => return Err(unsaved),
-        };
+        const UNSAVED: ExportError = ExportError::State("this FMU can't save its state");
+        let plant = self.side.as_ref().map(|side| side.save().ok_or(UNSAVED)).transpose()?;
+        if !self.interface.can_be_saved {
+            return Err(UNSAVED);
+        }
         Ok(Snapshot {
             token: self.token.clone(),
             phase: self.phase,
@@ -234,10 +226,7 @@ impl Instance {
         let is_external = external.is_some_and(|index| self.values[index] == Value::Boolean(true));
         let part = self.source.part;
         let scenario = self.present_scenario()?;
-        self.side = Some(match part {
-            Part::Plant => Side::Plant(Box::new(PlantSide::new(scenario)?)),
-            Part::Drive => Side::Drive(Box::new(Drive::new(scenario.clone(), is_external)?)),
-        });
+        self.side = Some(Side::new(part, scenario, is_external)?);
         self.refresh();
         Ok(())
     }
@@ -267,10 +256,8 @@ impl Instance {
     fn refresh(&mut self) {
         self.values[0] = Value::Real(self.start_s + seconds(self.at_ns));
         let outputs = &mut self.values[self.interface.outputs.clone()];
-        match &self.side {
-            Some(Side::Plant(plant)) => plant.outputs(outputs),
-            Some(Side::Drive(drive)) => drive.outputs(outputs),
-            None => {}
+        if let Some(side) = &self.side {
+            side.outputs(outputs);
         }
     }
 

@@ -7,9 +7,11 @@
 //! |---|---|
 //! | `source` | the scenario in an FMU, and its numbers as parameters |
 //! | `variable` | variables and their values |
-//! | `part` | [`Part`]: which half of the loop the FMU is, with its variables |
+//! | `part` | [`Part`]: which half of the loop the FMU is |
+//! | `interface` | the variables of an FMU and what it can do |
 //! | `plant` | the plant with encoders and the line to the motor, advanced by a torque |
 //! | `drive` | the drive with its reference, advanced by counts |
+//! | `side` | plant or drive behind one set of calls |
 //! | `instance` | [`Instance`]: the calls of an importer in their order |
 //! | `location` | where an importer says that the resources are |
 //! | `snapshot` | the state of an instance, saved and restored |
@@ -26,9 +28,11 @@ mod description;
 mod drive;
 mod error;
 mod instance;
+mod interface;
 mod location;
 mod part;
 mod plant;
+mod side;
 mod snapshot;
 mod source;
 mod unit;

@@ -1,16 +1,10 @@
-//! The halves of the loop, and their variables.
-
-use std::ops::Range;
+//! The halves of the loop.
 
 use lashloop_bench::process_plant;
 use lashloop_bench::scenario::fault::FaultKind;
 use lashloop_bench::scenario::{RunMode, Scenario};
 
-use crate::drive::Drive;
 use crate::error::ExportError;
-use crate::plant::PlantSide;
-use crate::source::Source;
-use crate::variable::{Role, Value, Variable};
 
 /// A half of the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,33 +13,6 @@ pub enum Part {
     Plant,
     /// The firmware with its law, and the reference.
     Drive,
-}
-
-/// The variables of an FMU and what it can do.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Interface {
-    /// Time, inputs, outputs, parameters.
-    pub(crate) variables: Vec<Variable>,
-    pub(crate) inputs: Range<usize>,
-    pub(crate) outputs: Range<usize>,
-    /// Whether it takes steps that aren't multiples of the control period.
-    pub(crate) takes_any_step: bool,
-    pub(crate) can_be_saved: bool,
-}
-
-impl Interface {
-    pub(crate) fn new(inputs: Vec<Variable>, outputs: Vec<Variable>, parameters: Vec<Variable>) -> Self {
-        let time = Variable::new(Role::Time, "time", "s", Value::Real(0.0), "Time of the simulation");
-        let inputs_end = 1 + inputs.len();
-        let outputs_end = inputs_end + outputs.len();
-        Self {
-            variables: [time].into_iter().chain(inputs).chain(outputs).chain(parameters).collect(),
-            inputs: 1..inputs_end,
-            outputs: inputs_end..outputs_end,
-            takes_any_step: false,
-            can_be_saved: false,
-        }
-    }
 }
 
 impl Part {
@@ -102,14 +69,6 @@ impl Part {
                 unfit(format!("the fault {:?}", fault.kind.name()), reason)
             }
             _ => Ok(()),
-        }
-    }
-
-    /// The variables for a scenario.
-    pub(crate) fn interface(self, source: &Source) -> Result<Interface, ExportError> {
-        match self {
-            Self::Plant => PlantSide::interface(source),
-            Self::Drive => Drive::interface(source),
         }
     }
 }

@@ -8,7 +8,7 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_protocol::message::EncoderSample;
 
 use crate::error::ExportError;
-use crate::part::Interface;
+use crate::interface::Interface;
 use crate::source::Source;
 use crate::variable::{Role, Value, Variable};
 

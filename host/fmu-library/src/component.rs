@@ -240,7 +240,7 @@ pub(crate) unsafe fn set_texts(
     }
 }
 
-/// Saves the state into `state`, in place of one that is there.
+/// Saves the state into `state`, instead of one that is there.
 ///
 /// # Safety
 /// As [`call`]; `state` points to NULL or to a state of this function.
