@@ -16,7 +16,7 @@ use lashloop_fmu_export::{Part, Version, export, library};
 use super::error::{CliError, system};
 use super::output::outln;
 
-/// Inspect an FMU, the plant of plant.model = "fmu", or write one
+/// Inspect an FMU, or write the plant or the drive of a scenario as one
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(subcommand)]

@@ -15,7 +15,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/decode", 1_100),
     ("host/fmu", 1_300),
     ("host/fmu-export", 1_350),
-    ("host/fmu-library", 800),
+    ("host/fmu-library", 700),
     ("host/hardware", 2_750),
     ("host/identify", 3_350),
     ("host/link", 1_600),
