@@ -6,6 +6,7 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+LIBRARY = "liblashloop_fmu.so"
 COMPLETIONS = {
     "bash": "share/bash-completion/completions/lashloop",
     "zsh": "share/zsh/site-functions/_lashloop",
@@ -27,6 +28,7 @@ class Programs(BuildHookInterface[Any]):
         for name in ("lashloop", "lashloop-fmu"):
             build_data["shared_scripts"][str(files / name)] = name
         shared = build_data["shared_data"]
+        shared[str(files / LIBRARY)] = f"lib/lashloop/{LIBRARY}"
         for page in (files / "man").iterdir():
             shared[str(page)] = f"share/man/man1/{page.name}"
         for shell, place in COMPLETIONS.items():

@@ -21,6 +21,7 @@ use lashloop_campaign::budget::line_map::MapError;
 use lashloop_campaign::cluster::error::ClusterError;
 use lashloop_campaign::suite::baseline::BaselineError;
 use lashloop_campaign::suite::files::FilesError;
+use lashloop_fmu_export::ExportError as FmuExportError;
 use lashloop_hardware::commission::MotionError;
 use lashloop_hardware::flash::FlashError;
 use lashloop_hardware::identify::record::NoSeries;
@@ -90,6 +91,8 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Export(#[from] ExportError),
+    #[error(transparent)]
+    Fmu(#[from] FmuExportError),
     #[error(transparent)]
     Table(#[from] TableError),
     #[error(transparent)]
@@ -186,6 +189,7 @@ impl CliError {
             | Self::Rerun { .. }
             | Self::Replay(_)
             | Self::Export(_)
+            | Self::Fmu(_)
             | Self::Table(_)
             | Self::Draw(_)
             | Self::Picture(_)

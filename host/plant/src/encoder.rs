@@ -52,6 +52,15 @@ impl Encoder {
         Ok(Self { eccentricity_rad, ..self })
     }
 
+    /// The same encoder after `readings` readings: its noise continues from there.
+    #[must_use]
+    pub fn after(mut self, readings: u64) -> Self {
+        if self.noise_counts > 0.0 {
+            self.noise.advance(readings.into());
+        }
+        self
+    }
+
     /// The count at a position in rad. NaN reads as zero, an infinite position as the end of the range of `i64`; with
     /// eccentricity it reads as zero.
     pub fn read(&mut self, position_rad: f64) -> i64 {

@@ -15,7 +15,8 @@ use crate::limits::are_in_range;
 use crate::mechanics::keys;
 use crate::mode::{Contact, DryFriction, Flank};
 use crate::{
-    Key, Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+    Key, Mechanics, Numbers, ParameterError, PlantError, PlantModel, Positions, RunningPlant, SavedState,
+    Start, Truth, TwoMass,
 };
 
 /// Allowed Coulomb friction.
@@ -57,6 +58,23 @@ pub struct HardCoulombState {
     x: Vector6<f64>,
     mode: HardCoulombMode,
     torque_nm: f64,
+}
+
+impl SavedState for HardCoulombState {
+    fn save(&self, numbers: &mut Vec<f64>) {
+        self.x.save(numbers);
+        self.mode.contact.save(numbers);
+        self.mode.load_friction.save(numbers);
+        self.torque_nm.save(numbers);
+    }
+
+    fn restored(numbers: &mut Numbers<'_>) -> Option<Self> {
+        let x = SavedState::restored(numbers)?;
+        let contact = SavedState::restored(numbers)?;
+        let load_friction = SavedState::restored(numbers)?;
+        let mode = HardCoulombMode { contact, load_friction };
+        Some(Self { x, mode, torque_nm: SavedState::restored(numbers)? })
+    }
 }
 
 /// What may end a mode.

@@ -1,6 +1,6 @@
 //! The contract of a plant: anything that takes a torque and turns two encoders.
 
-use crate::{PlantError, Release, Signal};
+use crate::{Numbers, PlantError, Release, Signal};
 
 /// Positions of the two shafts that carry encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +52,18 @@ pub trait Plant: Send {
     /// # Errors
     /// The input isn't finite, the state left the range of finite numbers, or the plant can't be followed any further.
     fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError>;
+
+    /// Appends the state in numbers, from which [`restore`](Self::restore) continues bit for bit. Returns whether the plant has
+    /// done so; the default appends nothing.
+    fn save(&self, _numbers: &mut Vec<f64>) -> bool {
+        false
+    }
+
+    /// Replaces the state by one that [`save`](Self::save) gave, of a plant with the same parameters. Returns whether the
+    /// numbers are such a state; otherwise the plant stays as it is.
+    fn restore(&mut self, _numbers: &mut Numbers<'_>) -> bool {
+        false
+    }
 
     /// Imposes wear and load torque from now on.
     ///

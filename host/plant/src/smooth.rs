@@ -15,7 +15,8 @@ use crate::limits::are_in_range;
 use crate::mechanics::keys;
 use crate::mode::Contact;
 use crate::{
-    Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+    Mechanics, Numbers, ParameterError, PlantError, PlantModel, Positions, RunningPlant, SavedState, Start,
+    Truth, TwoMass,
 };
 
 /// The model for scenarios.
@@ -40,6 +41,17 @@ pub struct Smooth {
 pub struct SmoothState {
     x: Vector6<f64>,
     torque_nm: f64,
+}
+
+impl SavedState for SmoothState {
+    fn save(&self, numbers: &mut Vec<f64>) {
+        self.x.save(numbers);
+        self.torque_nm.save(numbers);
+    }
+
+    fn restored(numbers: &mut Numbers<'_>) -> Option<Self> {
+        Some(Self { x: SavedState::restored(numbers)?, torque_nm: SavedState::restored(numbers)? })
+    }
 }
 
 impl Smooth {

@@ -7,7 +7,11 @@
 
 use std::collections::VecDeque;
 
+use crate::Numbers;
 use crate::random::{Pcg64Mcg, SeedableRng, uniform};
+
+/// Random numbers that each torque takes.
+const DRAWS_PER_TORQUE: u64 = 2;
 
 /// A delay line for held torques, with its contents.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +36,7 @@ struct Variation {
 }
 
 impl Variation {
-    /// The jitter of the next torque; `None` if the torque is lost. Every torque takes two draws.
+    /// The jitter of the next torque; `None` if the torque is lost. Every torque takes [`DRAWS_PER_TORQUE`].
     fn next(&mut self) -> Option<u64> {
         let (lateness, chance) = (uniform(&mut self.random), uniform(&mut self.random));
         (chance >= self.loss).then(|| (lateness * (self.jitter_us + 1) as f64) as u64)
@@ -70,6 +74,35 @@ impl TransportDelay {
             self.variation = Some(Variation { jitter_us: jitter_us.into(), loss, random });
         }
         self
+    }
+
+    /// Whether every torque is at the motor as soon as it is commanded.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.delay_us == 0 && self.variation.is_none()
+    }
+
+    /// Appends the contents in numbers, for [`resumed`](Self::resumed).
+    pub fn save(&self, numbers: &mut Vec<f64>) {
+        numbers.extend([self.now_us as f64, self.held_nm, self.in_transit.len() as f64]);
+        numbers.extend(
+            self.in_transit.iter().flat_map(|&(arrival_us, torque_nm)| [arrival_us as f64, torque_nm]),
+        );
+    }
+
+    /// This new delay line with the contents that [`save`](Self::save) gave; `None` if the numbers are something else.
+    pub fn resumed(mut self, numbers: &mut Numbers<'_>) -> Option<Self> {
+        let mut next = || numbers.next();
+        self.now_us = next()? as u64;
+        self.held_nm = next()?;
+        self.in_transit.clear();
+        for _ in 0..next()? as usize {
+            self.in_transit.push_back((next()? as u64, next()?));
+        }
+        if let Some(variation) = &mut self.variation {
+            variation.random.advance(u128::from(DRAWS_PER_TORQUE * self.now_us / self.period_us));
+        }
+        Some(self)
     }
 
     /// Takes the torque of this period; returns the torques held at the motor during it, each with its duration in s. The

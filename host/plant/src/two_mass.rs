@@ -1,12 +1,12 @@
 //! Plants of two masses, a spring and a gap, and such a plant with its state as one value.
 
 use crate::truth::SIGNALS;
-use crate::{Environment, Plant, PlantError, Positions, Release, Signal, Start, Truth};
+use crate::{Environment, Numbers, Plant, PlantError, Positions, Release, SavedState, Signal, Start, Truth};
 
 /// Two masses, a spring and a gap: constant parameters in the implementor, coordinates and modes in the state.
 pub trait TwoMass {
     /// Coordinates and modes.
-    type State: Clone;
+    type State: Clone + SavedState;
 
     /// State of a plant that is released at `start`.
     fn initial_state(&self, start: Start) -> Self::State;
@@ -101,6 +101,15 @@ impl<P: TwoMass<State: Send> + Send> Plant for RunningPlant<P> {
 
     fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
         self.step(torque_nm, dt_s)
+    }
+
+    fn save(&self, numbers: &mut Vec<f64>) -> bool {
+        self.state.save(numbers);
+        true
+    }
+
+    fn restore(&mut self, numbers: &mut Numbers<'_>) -> bool {
+        SavedState::restored(numbers).map(|state| self.state = state).is_some()
     }
 
     fn set_environment(&mut self, environment: Environment) -> Result<(), PlantError> {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 /// Kinds of targets with production code.
-const KINDS: [&str; 4] = ["lib", "bin", "proc-macro", "custom-build"];
+const KINDS: [&str; 5] = ["lib", "bin", "cdylib", "proc-macro", "custom-build"];
 
 /// Standard output of a program that runs in the workspace.
 pub(crate) fn output_of(command: &mut Command) -> Result<String> {

@@ -1,4 +1,4 @@
-//! The archive: the program as one static file, with the loader of FMUs, and its checksum.
+//! The archive: the program as one static file, with the loader of FMUs and the library of exported ones, and its checksum.
 //!
 //! With the target for musl installed the program is built for it. Otherwise only the last step differs from an ordinary
 //! build: `main` is linked once more, with the static C library of this machine. Dependencies are those of the other builds.
@@ -13,12 +13,14 @@ use object::elf;
 use object::read::elf::{ElfFile64, FileHeader, ProgramHeader};
 use serde_json::Value;
 
-use super::profile::{LOADER, NAME, Profile, VERSION};
+use super::profile::{FMU_LIBRARY, LOADER, NAME, Profile, VERSION};
 use crate::command::{cargo, command, first_line, output, run};
 use crate::{licences, paths};
 
 /// Its package, and the libraries that its `main` calls.
 const PACKAGE: &str = "lashloop-cli";
+/// The package of the library of exported FMUs.
+const FMU_PACKAGE: &str = "lashloop-fmu-library";
 const LIBRARIES: [&str; 2] = ["lashloop_cli", "lashloop"];
 
 /// Options of the build: every feature.
@@ -50,13 +52,15 @@ pub(super) fn make(profile: Profile) -> Result<PathBuf> {
     check(&program)?;
     check_parquet(&program, &target)?;
     build_loader(profile, &folder.join(LOADER))?;
+    build_fmu_library(profile, &folder.join(FMU_LIBRARY))?;
+    check_fmu(&program, &target)?;
     for file in ["LICENSE-MIT", "LICENSE-APACHE", "README.md", "CHANGELOG.md"] {
         fs::copy(paths::root().join(file), folder.join(file))
             .with_context(|| format!("{file} can't be copied"))?;
     }
     fs::write(
         folder.join("THIRD-PARTY.txt"),
-        licences::collect(&[PACKAGE, LOADER], &triple, FEATURES, library == Library::Glibc)?,
+        licences::collect(&[PACKAGE, LOADER, FMU_PACKAGE], &triple, FEATURES, library == Library::Glibc)?,
     )?;
     complete(&program, &folder)?;
     let archive = pack(&target, &name)?;
@@ -124,6 +128,26 @@ fn build_loader(profile: Profile, program: &Path) -> Result<()> {
     let version = first_line(&mut command(program, "--version"));
     ensure!(version.is_some_and(|line| line.starts_with(LOADER)), "{} has no version", program.display());
     Ok(())
+}
+
+/// Builds the library of exported FMUs next to the program. Importers load it, so it isn't static either.
+fn build_fmu_library(profile: Profile, library: &Path) -> Result<()> {
+    let build = match profile {
+        Profile::Dev => format!("programs {FEATURES}"),
+        Profile::Release => format!("build --package {FMU_PACKAGE} --release"),
+    };
+    run(&mut cargo(&build))?;
+    let built = paths::root().join("target").join(profile.folder()).join(FMU_LIBRARY);
+    run(command("strip", "--strip-unneeded -o").arg(library).arg(&built))
+}
+
+/// Checks that the program exports an FMU that the loader reads.
+fn check_fmu(program: &Path, target: &Path) -> Result<()> {
+    let fmu = target.join("plant.fmu");
+    output(command(program, "fmu export scenarios/smooth-after.toml --of plant --out").arg(&fmu))?;
+    let shown = output(command(program, "fmu show").arg(&fmu))?;
+    ensure!(shown.contains("torque_nm"), "the exported FMU has no torque: {shown}");
+    fs::remove_file(&fmu).with_context(|| format!("{} can't be removed", fmu.display()))
 }
 
 /// Checks that the program needs no other file, and runs it.

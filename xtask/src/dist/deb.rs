@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use super::loader::Glibc;
-use super::profile::{LOADER, NAME, Profile, VERSION};
+use super::profile::{FMU_LIBRARY, LOADER, NAME, Profile, VERSION};
 use crate::command::{command, first_line, output, run};
 use crate::paths;
 
 /// Files of the archive, each with its place on a machine. A folder stands for its files.
-const PLACES: [(&str, &str); 8] = [
+const PLACES: [(&str, &str); 9] = [
     (NAME, "usr/bin"),
     (LOADER, "usr/bin"),
+    (FMU_LIBRARY, "usr/lib/lashloop"),
     ("README.md", "usr/share/doc/lashloop"),
     ("CHANGELOG.md", "usr/share/doc/lashloop"),
     ("THIRD-PARTY.txt", "usr/share/doc/lashloop"),
@@ -117,6 +118,10 @@ fn check(package: &Path, root: &Path) -> Result<()> {
     run(dpkg().arg("--install").arg(package)).context("the package can't be installed")?;
     let version = first_line(&mut command(root.join("usr/bin").join(NAME), "--version"));
     ensure!(version.is_some_and(|line| line.starts_with(NAME)), "the installed program prints no version");
+    let fmu = root.join("plant.fmu");
+    run(command(root.join("usr/bin").join(NAME), "fmu export scenarios/smooth-after.toml --of plant --out")
+        .arg(&fmu))?;
+    fs::remove_file(&fmu)?;
     ensure!(root.join(RULE.1).is_file(), "the rule of udev isn't installed");
     run(dpkg().args(["--remove", NAME])).context("the package can't be removed")?;
     let left: Vec<_> = fs::read_dir(root)?.map(|entry| Ok(entry?.file_name())).collect::<Result<_>>()?;

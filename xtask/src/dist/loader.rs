@@ -1,4 +1,4 @@
-//! What the loader of FMUs asks of a machine. The program itself is static and asks for nothing.
+//! What the loader of FMUs and the library of exported ones ask of a machine. The program itself is static and asks for nothing.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use object::read::elf::{ElfFile64, FileHeader};
 /// Version of the GNU C library.
 pub(super) type Glibc = (u32, u32);
 
-/// The oldest GNU C library that has every symbol which a program takes from it.
+/// The oldest GNU C library that has every symbol which a program or library takes from it.
 pub(super) fn glibc(program: &Path) -> Result<Glibc> {
     let bytes = fs::read(program).with_context(|| format!("{} can't be read", program.display()))?;
     newest(&bytes)

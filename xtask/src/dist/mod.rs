@@ -19,8 +19,8 @@ mod wheel;
 use anyhow::Result;
 use clap::Args;
 
-use profile::LOADER;
 pub(crate) use profile::Profile;
+use profile::{FMU_LIBRARY, LOADER};
 
 #[derive(Args)]
 pub(crate) struct Dist {
@@ -38,7 +38,7 @@ impl Dist {
 /// Builds and checks every package, and prints the path of each.
 pub(crate) fn make(profile: Profile) -> Result<()> {
     let contents = archive::make(profile)?;
-    let glibc = loader::glibc(&contents.join(LOADER))?;
+    let glibc = loader::glibc(&contents.join(LOADER))?.max(loader::glibc(&contents.join(FMU_LIBRARY))?);
     for package in [
         wheel::make(profile, &contents, glibc)?,
         deb::make(profile, &contents, glibc)?,

@@ -9,6 +9,8 @@ use crate::paths;
 pub(super) const NAME: &str = "lashloop";
 /// The loader of FMUs, and its package.
 pub(super) const LOADER: &str = "lashloop-fmu";
+/// The library of exported FMUs.
+pub(super) const FMU_LIBRARY: &str = "liblashloop_fmu.so";
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

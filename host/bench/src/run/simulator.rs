@@ -43,6 +43,7 @@ pub struct Simulator {
     plant_faults: PlantFaults,
     /// The values of the plant's keys after each fault, with the first step they apply to.
     next_values: VecDeque<(u32, PlantValues)>,
+    has_faults: bool,
 }
 
 /// The way of torques to the motor: the plant's own delay, and the modelled line.
@@ -82,6 +83,7 @@ impl Simulator {
             motor_faults: MotorFaults::new(scenario),
             excitation_nm: scenario.excitation_nm.clone(),
             next_values: next_values.into(),
+            has_faults: !scenario.faults.is_empty(),
             plant_faults,
             delay: transport_delay(scenario),
             period_s,
@@ -156,6 +158,58 @@ impl Simulator {
             self.plant.step(held_nm, held_s)?;
         }
         Ok(())
+    }
+
+    /// Whether a torque acts at once and unchanged, so that it may change within a control period.
+    #[must_use]
+    pub fn acts_at_once(&self) -> bool {
+        self.delay.is_none() && !self.has_faults && self.excitation_nm.is_empty()
+    }
+
+    /// Advances the plant by part of a control period, for a simulator that [acts at once](Self::acts_at_once).
+    ///
+    /// # Errors
+    /// As [`Plant::step`].
+    pub fn hold(&mut self, torque_nm: f32, held_s: f64) -> Result<(), PlantError> {
+        self.plant.step(torque_nm.into(), held_s)
+    }
+
+    /// What the encoders read at present.
+    #[must_use]
+    pub fn positions(&self) -> Positions {
+        self.plant.positions()
+    }
+
+    /// The present values of [`signals`](Self::signals), and the load position that a run is judged by, in rad.
+    pub fn truth(&self, values: &mut [f64]) -> f64 {
+        self.plant.truth(values);
+        self.plant.judged_load_position_rad()
+    }
+
+    /// The state between two steps in numbers, for [`resumed`](Self::resumed); `None` for a scenario with faults, and for a plant
+    /// that can't be saved.
+    #[must_use]
+    pub fn save(&self) -> Option<Vec<f64>> {
+        let mut numbers = self.counts.map(|count| count as f64).to_vec();
+        self.delay.save(&mut numbers);
+        (!self.has_faults && self.plant.save(&mut numbers)).then_some(numbers)
+    }
+
+    /// The simulator of the scenario that [`save`](Self::save) gave these numbers for, with `readings` observed steps.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new). `None` if the numbers are those of another scenario.
+    pub fn resumed(scenario: &Scenario, readings: u32, numbers: &[f64]) -> Result<Option<Self>, RunError> {
+        let mut simulator = Self::new(scenario)?;
+        let mut numbers = numbers.iter().copied();
+        for count in &mut simulator.counts {
+            *count = numbers.next().unwrap_or_default() as i64;
+        }
+        let Some(delay) = simulator.delay.resumed(&mut numbers) else { return Ok(None) };
+        let is_whole = simulator.plant.restore(&mut numbers) && numbers.next().is_none();
+        let [motor_encoder, load_encoder] =
+            [simulator.motor_encoder, simulator.load_encoder].map(|encoder| encoder.after(readings.into()));
+        Ok(is_whole.then_some(Self { delay, motor_encoder, load_encoder, ..simulator }))
     }
 
     /// The plant's truth, and the columns that every trace has.

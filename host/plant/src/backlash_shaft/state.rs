@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use super::load_mode::MassState;
 use crate::error::{in_range, within};
 use crate::mode::{Contact, DryFriction};
-use crate::{Mechanics, ParameterError};
+use crate::{Mechanics, Numbers, ParameterError, SavedState};
 
 /// Index of the bristles' deflection in the state vector, after the coordinates of every plant.
 pub(super) const BRISTLE: usize = 6;
@@ -36,6 +36,35 @@ pub struct ShaftCoordinates {
 pub struct BacklashShaftState {
     pub(super) coordinates: ShaftCoordinates,
     pub(super) mode: ShaftMode,
+}
+
+impl SavedState for BacklashShaftState {
+    fn save(&self, numbers: &mut Vec<f64>) {
+        let Self { coordinates: at, mode } = self;
+        at.x.save(numbers);
+        numbers.extend([at.outer.position_rad, at.outer.velocity_rad_s]);
+        numbers.extend([at.gap_position_rad, at.motor_torque_nm]);
+        numbers.extend([at.surroundings.dead_zone_rad, at.surroundings.load_torque_nm]);
+        mode.contact.save(numbers);
+        mode.load.save(numbers);
+        mode.motor.save(numbers);
+    }
+
+    fn restored(numbers: &mut Numbers<'_>) -> Option<Self> {
+        let x = SavedState::restored(numbers)?;
+        let mut next = || numbers.next();
+        let coordinates = ShaftCoordinates {
+            x,
+            outer: MassState { position_rad: next()?, velocity_rad_s: next()? },
+            gap_position_rad: next()?,
+            motor_torque_nm: next()?,
+            surroundings: Surroundings { dead_zone_rad: next()?, load_torque_nm: next()? },
+        };
+        let contact = SavedState::restored(numbers)?;
+        let load = SavedState::restored(numbers)?;
+        let motor = SavedState::restored(numbers)?;
+        Some(Self { coordinates, mode: ShaftMode { contact, load, motor } })
+    }
 }
 
 /// Gap and load torque, which may change at every step.

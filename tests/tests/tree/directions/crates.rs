@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the crates of the repository that it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 31] = [
+const ALLOWED: [(&str, &[&str]); 33] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
@@ -90,6 +90,18 @@ const ALLOWED: [(&str, &[&str]); 31] = [
     ),
     // A plant's process of its own: it shares the protocol with the bench and no code.
     ("lashloop-fmu", &[]),
+    (
+        "lashloop-fmu-export",
+        &[
+            "lashloop-protocol",
+            "lashloop-plant",
+            "lashloop-link",
+            "lashloop-session",
+            "lashloop-bench",
+            "lashloop",
+        ],
+    ),
+    ("lashloop-fmu-library", &["lashloop-fmu-export"]),
     // Studies, of which the command line has the commands.
     ("merzouki-2005", &["lashloop-plant", "lashloop-bench", "lashloop-record", "lashloop-plot", "lashloop"]),
     ("lashloop-battery", &["lashloop-plant", "lashloop-bench", "lashloop-campaign"]),
@@ -112,6 +124,7 @@ const ALLOWED: [(&str, &[&str]); 31] = [
             "lashloop-report",
             "lashloop-response",
             "lashloop-live",
+            "lashloop-fmu-export",
             "merzouki-2005",
             "lashloop-battery",
         ],
