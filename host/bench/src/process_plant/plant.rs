@@ -11,6 +11,7 @@ use super::error::ProcessError;
 use super::keys::{FILES, FOLDER};
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
+use crate::regular_file::RegularFile;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 use lashloop_session::printable;
 
@@ -52,7 +53,7 @@ impl ProcessPlant {
         let values = release.values;
         let folder = folder(values, release.folder);
         for file in named_files(values, &folder) {
-            std::fs::File::open(&file).map_err(|source| ProcessError::File { file, source })?;
+            RegularFile::open(&file).map_err(|source| ProcessError::File { file, source })?;
         }
         let Launch { program, settings, scratch } = launch;
         let supervisor = Supervisor::without_signals(bench)?;
