@@ -109,6 +109,7 @@ impl ProcessPlant {
             NoLine::Closed => ProcessError::Ended { status: self.status(), stderr: self.stderr() },
             NoLine::Late => ProcessError::Silent { limit, key, stderr: self.stderr() },
             NoLine::NotRead => ProcessError::NotRead { limit, key, stderr: self.stderr() },
+            NoLine::Interrupted => ProcessError::Interrupted,
             NoLine::TooLong => ProcessError::Malformed {
                 line: "...".to_owned(),
                 reason: "a line must be shorter than 1 MiB".to_owned(),
@@ -165,7 +166,7 @@ impl Plant for ProcessPlant {
         if !torque_nm.is_finite() {
             return Err(PlantError::Torque { torque_nm });
         }
-        self.advance(torque_nm, dt_s).map_err(|error| PlantError::Failed(error.to_string()))
+        self.advance(torque_nm, dt_s).map_err(PlantError::from)
     }
 }
 
