@@ -250,6 +250,8 @@ impl Settings {
 mod tests {
     use lashloop_session::LawMask;
 
+    use std::fs;
+
     use super::*;
 
     fn parameter(name: &str) -> Parameter {

@@ -134,6 +134,16 @@ impl RecordFolder {
         if is_of_record { Err(FolderError::Recorded { path: file.to_owned() }) } else { Ok(()) }
     }
 
+    /// Removes a link, a pipe or a device that has the name of a file to be written. Whoever made the folder would decide by it
+    /// where the file goes.
+    ///
+    /// # Errors
+    /// It can't be removed.
+    pub fn remove_detour(file: &Path) -> Result<(), WriteError> {
+        let is_detour = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::symlink_metadata(file).is_ok_and(is_detour) { remove_if_present(file) } else { Ok(()) }
+    }
+
     /// The path.
     #[must_use]
     pub fn path(&self) -> &Path {

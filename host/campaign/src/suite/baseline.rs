@@ -209,6 +209,8 @@ fn unit_of(metric: &str) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn metrics(settle_time_s: f64) -> BTreeMap<String, f64> {

@@ -271,6 +271,8 @@ fn wait_for_start(scenario: &Scenario) -> Result<(), CliError> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

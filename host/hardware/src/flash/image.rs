@@ -91,7 +91,15 @@ impl Image {
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let failed = |problem| ImageError { path: path.to_owned(), problem };
         let elf = regular_file::read(path).map_err(|source| failed(source.into()))?;
-        Self::from_elf(path, &elf).map_err(failed)
+        Self::from_bytes(path, &elf)
+    }
+
+    /// As [`read`](Self::read), of the bytes of a file.
+    ///
+    /// # Errors
+    /// They aren't an image for this chip.
+    pub fn from_bytes(path: &Path, elf: &[u8]) -> Result<Self, ImageError> {
+        Self::from_elf(path, elf).map_err(|problem| ImageError { path: path.to_owned(), problem })
     }
 
     fn from_elf(path: &Path, elf: &[u8]) -> Result<Self, ImageProblem> {

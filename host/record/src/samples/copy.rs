@@ -1,7 +1,7 @@
 //! A copy of `run.mcap` that has its index, of an interrupted run too.
 
 use std::collections::HashMap;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
@@ -19,10 +19,10 @@ const CHUNK: usize = 1000;
 /// The samples are unusable, or the copy can't be written.
 pub fn copy_with_index(samples: &Path, path: &Path) -> Result<(), WriteError> {
     let error = |source| WriteError { path: path.to_owned(), action: "written", source };
-    let file = RegularFile::open(samples).map_err(error)?;
+    let RegularFile { file, length } = RegularFile::open(samples).map_err(error)?;
     let mut new = Some(GrowingFile::create(path, ".samples-", b"")?);
     let (mut copy, mut written) = (None, Ok(()));
-    let read = up_to_the_end(file, |entry| {
+    let read = up_to_the_end(BufReader::new(file), length, |entry| {
         if let Some(file) = new.take() {
             let profile = if let Entry::Header { profile } = entry { profile } else { "" };
             copy = Some(Copy::new(Writer::new(file, profile)));

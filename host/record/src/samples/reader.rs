@@ -1,8 +1,7 @@
 //! Reads `run.mcap`, also of an interrupted run.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use lashloop_bench::regular_file::RegularFile;
@@ -79,12 +78,24 @@ impl Samples {
     /// # Errors
     /// The file can't be read, or another program has written it.
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
-        let file = RegularFile::open(path)?;
-        let mut memory = Memory::of(file.length);
+        let RegularFile { file, length } = RegularFile::open(path)?;
+        Self::of(BufReader::new(file), length)
+    }
+
+    /// As [`read`](Self::read), of the bytes of a file.
+    ///
+    /// # Errors
+    /// Another program has written them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SamplesError> {
+        Self::of(Cursor::new(bytes), bytes.len() as u64)
+    }
+
+    fn of(file: impl Read + Seek, length: u64) -> Result<Self, SamplesError> {
+        let mut memory = Memory::of(length);
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        let is_torn = up_to_the_end(file, |entry| {
+        let is_torn = up_to_the_end(file, length, |entry| {
             match entry {
                 Entry::Schema { id, schema } => {
                     memory.take(schema.data.len())?;
@@ -133,12 +144,13 @@ impl Samples {
 /// # Errors
 /// Another program has written the file, it is damaged, or `take` fails.
 pub(super) fn up_to_the_end(
-    RegularFile { mut file, length }: RegularFile,
+    mut file: impl Read + Seek,
+    length: u64,
     take: impl FnMut(Entry<'_>) -> Result<(), SamplesError>,
 ) -> Result<bool, SamplesError> {
     // A killed run has left no end, and perhaps a part of its last chunk, or anything on a full disk.
     let has_end = ends_with_magic(&mut file, length)?;
-    match container::read(BufReader::new(file), length, take) {
+    match container::read(file, length, take) {
         Ok(End::Data | End::Record) => Ok(false),
         Ok(End::Torn) if has_end => Err(ContainerError::End.into()),
         Ok(End::Torn) => Ok(true),
@@ -148,7 +160,7 @@ pub(super) fn up_to_the_end(
 }
 
 /// Whether the file has its end; the next byte read is its first.
-fn ends_with_magic(file: &mut File, length: u64) -> io::Result<bool> {
+fn ends_with_magic(file: &mut (impl Read + Seek), length: u64) -> io::Result<bool> {
     let mut end = [0; MAGIC.len()];
     let Some(at) = length.checked_sub(MAGIC.len() as u64) else { return Ok(false) };
     file.seek(SeekFrom::Start(at))?;
