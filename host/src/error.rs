@@ -1,6 +1,6 @@
 //! Errors of the library.
 
-use std::io;
+use std::{fmt, io};
 
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_session::names::UnknownName;
@@ -9,7 +9,7 @@ use crate::execution::ExecutionError;
 use crate::outcome::NoMetric;
 
 /// Why a call of the library has no result.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum Error {
     /// The scenario is wrong, each error with its place.
     #[error(transparent)]
@@ -34,4 +34,24 @@ pub enum Error {
     /// The system refused a thread.
     #[error("the thread for child processes can't be started: {0}; is the machine out of threads or memory?")]
     Thread(#[source] io::Error),
+}
+
+/// The message: `main` and tests that return an error print it by `Debug`.
+impl fmt::Debug for Error {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Bench;
+
+    #[test]
+    fn an_error_of_a_test_reads_as_its_message() {
+        let error = Bench::new().device("no_such").expect_err("no device");
+        assert_eq!(format!("{error:?}"), error.to_string());
+        assert!(error.to_string().contains("isn't a device"), "{error}");
+    }
 }

@@ -16,7 +16,7 @@ pub struct Outcome {
 }
 
 /// Why a metric has no value.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoMetric {
     /// No metric has this name.
     #[error("{}: {}", .0.name, .0)]
@@ -29,6 +29,13 @@ pub enum NoMetric {
         /// Why.
         reason: String,
     },
+}
+
+/// The message: `main` and tests that return an error print it by `Debug`.
+impl fmt::Debug for NoMetric {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, out)
+    }
 }
 
 impl Outcome {

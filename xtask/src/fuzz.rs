@@ -16,8 +16,19 @@ use crate::paths;
 
 /// A program of `fuzz/`, and the length of its longest input in bytes. Every seed fits, and little more: the time of an execution
 /// grows with the input, and a longer one reaches nothing new.
-const TARGETS: [(&str, u32); 5] =
-    [("decoder", 160), ("frames", 192), ("drive", 128), ("session", 128), ("scenario", 4096)];
+const TARGETS: [(&str, u32); 11] = [
+    ("decoder", 160),
+    ("frames", 192),
+    ("drive", 128),
+    ("session", 128),
+    ("scenario", 4096),
+    ("record", 2048),
+    ("campaign", 1024),
+    ("shard", 512),
+    ("rig", 1024),
+    ("pcapng", 512),
+    ("elf", 512),
+];
 
 /// What `cargo fuzz build --sanitizer none` passes to the compiler, without the hooks at comparisons and the depth of the stack: they
 /// cost more than the code between them. A comparison with a CRC or an enum doesn't stop them, because the targets make frames of bodies.

@@ -5,6 +5,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
+//! | [`regular_file`] | files of others, read in bounded time and memory |
 //! | [`resume`] | files of results that a later command continues |
 //! | [`number`], [`text_table`] | numbers with the digits that a reader needs; tables of text |
 //! | [`timing`] | the timing of steps, and its report |
@@ -24,6 +25,7 @@ pub mod device;
 pub mod fault;
 pub mod number;
 pub mod process_plant;
+pub mod regular_file;
 pub mod resume;
 pub mod run;
 pub mod scenario;

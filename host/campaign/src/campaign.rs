@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest::sha256;
 use lashloop_bench::scenario::cases::Cases;
 use lashloop_bench::scenario::tables::GivenTables;
@@ -116,7 +117,7 @@ impl Campaign {
         }
         // Again with the texts, so that every case has the points whose hash is among the facts.
         for table in tables {
-            let text = std::fs::read_to_string(&table).map_err(io_error(&table, "read"))?;
+            let text = regular_file::read_text(&table).map_err(io_error(&table, "read"))?;
             sources.push(Source { path: table.to_string_lossy().into_owned(), text });
         }
         Self::from_sources(sources, selection, plants)

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest;
 use lashloop_plant::Plants;
 use lashloop_record::json_file::write_json;
@@ -94,7 +95,7 @@ impl Facts {
     /// # Errors
     /// The file can't be read, or is not of this format.
     pub fn read(path: &Path) -> Result<Self, CampaignError> {
-        let text = fs::read(path).map_err(|source| match source.kind() {
+        let text = regular_file::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => CampaignError::NoFacts { path: path.to_owned() },
             _ => io_error(path, "read")(source),
         })?;

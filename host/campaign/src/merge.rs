@@ -5,6 +5,7 @@ use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{remove_if_present, write_whole};
+use lashloop_bench::regular_file::RegularFile;
 use lashloop_bench::resume::{self, ResumeError};
 use lashloop_bench::run::digest::hexadecimal;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -67,8 +68,8 @@ pub fn merge(folder: &Path) -> Result<Facts, CampaignError> {
     for (number, table_sha256) in (1..).zip(hashes) {
         let Some(shard) = Shard::new(number, facts.shards) else { continue };
         let path = complete_path(folder, shard);
-        let table = File::open(&path).map_err(io_error(&path, "read"))?;
-        let table = BufReader::with_capacity(BUFFER, table);
+        let table = RegularFile::open(&path).map_err(io_error(&path, "read"))?;
+        let table = BufReader::with_capacity(BUFFER, table.file);
         tables.push(Lines {
             shard,
             path,

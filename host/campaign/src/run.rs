@@ -7,6 +7,7 @@ use lashloop_bench::device::{DeviceChoice, DeviceError};
 use lashloop_bench::run::digest::TorqueDigest;
 use lashloop_bench::run::{Clock, End, Outcome, RunError};
 use lashloop_bench::verdict::Verdict;
+use lashloop_plant::PlantError;
 
 use crate::campaign::Campaign;
 use crate::cell::{Cell, Missing, cells};
@@ -66,6 +67,7 @@ pub fn run_case(
 fn reason(error: &ExecutionError) -> Option<String> {
     let ExecutionError::Run(error) = error else { return None };
     match error {
+        RunError::Integration(PlantError::Interrupted) => None,
         RunError::Scenario(_)
         | RunError::Inconsistent { .. }
         | RunError::TooFarToStart { .. }

@@ -44,8 +44,7 @@ enum Choice {
 impl ClockOptions {
     /// The error of a core that doesn't exist, or that this process is kept from.
     fn core_refusal(&self) -> Option<CliError> {
-        let (core, usable) = (self.core?, usable_cores());
-        (!usable.is_empty() && !usable.contains(&core)).then_some(CliError::Core { core, usable })
+        core_refusal(self.core?)
     }
 
     /// Lockstep, unless the drive is on hardware and has a time of its own.
@@ -79,4 +78,10 @@ impl ClockOptions {
             })),
         }
     }
+}
+
+/// The error of a core that doesn't exist, or that this process is kept from.
+pub(crate) fn core_refusal(core: usize) -> Option<CliError> {
+    let usable = usable_cores();
+    (!usable.is_empty() && !usable.contains(&core)).then_some(CliError::Core { core, usable })
 }

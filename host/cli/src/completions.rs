@@ -9,6 +9,7 @@ use lashloop_bench::verdict::Exit;
 
 use super::command_line;
 use super::error::{CliError, system};
+use super::options::DEVICE;
 use super::output::{outln, prepare_folder, program_name, write_file};
 use lashloop::Bench;
 
@@ -32,7 +33,7 @@ impl Arguments {
         let mut command = command_line(&name);
         if let Some(shell) = self.shell {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut command, &name, &mut script);
+            clap_complete::generate(shell, &mut offered(&command), &name, &mut script);
             outln!("{}", String::from_utf8_lossy(&script).trim_end());
         }
         if let Some(folder) = self.man {
@@ -46,6 +47,23 @@ impl Arguments {
     }
 }
 
+/// Beginnings of the names of devices; a shell completes the path of a terminal by itself.
+const DEVICES: [&str; 7] = ["native", "inproc", "qemu", "silicon", "exec:", "tcp:", "rfc2217:"];
+
+/// What a shell offers: commands that are not hidden, and the kinds of devices.
+fn offered(command: &Command) -> Command {
+    let arguments = command.get_arguments().map(|argument| {
+        let argument = argument.clone();
+        if argument.get_id() == DEVICE { argument.value_parser(DEVICES) } else { argument }
+    });
+    let inside = command.get_subcommands().filter(|it| !it.is_hide_set()).map(offered);
+    let offered = Command::new(command.get_name().to_owned()).args(arguments).subcommands(inside);
+    match command.get_about() {
+        Some(about) => offered.about(about.clone()),
+        None => offered,
+    }
+}
+
 /// Name and text of the page of a command and of each command in it.
 fn pages(command: &Command, name: &str) -> io::Result<Vec<(String, String)>> {
     let mut page = Vec::new();
@@ -55,4 +73,23 @@ fn pages(command: &Command, name: &str) -> io::Result<Vec<(String, String)>> {
         pages.extend(self::pages(inside, &format!("{name}-{}", inside.get_name()))?);
     }
     Ok(pages)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_offers_commands_that_are_not_hidden_and_the_kinds_of_devices() {
+        let mut script = Vec::new();
+        clap_complete::generate(
+            Shell::Bash,
+            &mut offered(&command_line("lashloop")),
+            "lashloop",
+            &mut script,
+        );
+        let script = String::from_utf8(script).expect("a text");
+        assert!(!script.contains("tied") && !script.contains("ping-pong"));
+        assert!(script.contains("rerun") && script.contains("--tolerance") && script.contains("rfc2217:"));
+    }
 }

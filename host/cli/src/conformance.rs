@@ -7,7 +7,7 @@ use clap::{Args, value_parser};
 use lashloop::Bench;
 use lashloop_bench::device::{Connection, DeviceChoice, DeviceError, session_number};
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::supervisor::{SignalGuard, Supervisor};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_conformance::unchecked::{UNCHECKED, Unchecked};
@@ -87,10 +87,10 @@ impl Arguments {
             is_silent: self.json,
             bench_mode: self.bench_mode.then_some(PowerStage { torque_per_duty_nm }),
             time_limit: Duration::from_secs(self.time_limit_s),
+            signals: None,
         };
-        let signals = supervisor.guard_signals();
         let ended = conformance::run(link, session_number(), &mut printer);
-        drop(signals);
+        drop(printer.signals.take());
         let ended = match ended.map_err(|source| connection.explain(source)) {
             Err(error) if error.has_crashed() && !supervisor.interrupted() => {
                 printer.checked(&crashed(&error));
@@ -233,10 +233,13 @@ struct Printer<'a> {
     is_silent: bool,
     bench_mode: Option<PowerStage>,
     time_limit: Duration,
+    /// From the first result on an interruption ends the checks and not the program.
+    signals: Option<SignalGuard<'a>>,
 }
 
 impl Reporter for Printer<'_> {
     fn connected(&mut self, identity: &Identity) {
+        self.signals = Some(self.supervisor.guard_signals());
         self.device = self.connection.description(identity);
         if !self.is_silent {
             outln!("{}", self.device);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop::Bench;
+use lashloop_bench::regular_file;
 use lashloop_bench::verdict::Exit;
 use lashloop_decode::capture::{pcapng, reader};
 use lashloop_decode::{Entry, PacketReader, StreamReader, json, table};
@@ -33,7 +34,7 @@ impl Arguments {
         let mut source: Box<dyn Read> = if self.file == Path::new("-") {
             Box::new(io::stdin().lock())
         } else {
-            Box::new(File::open(&self.file).map_err(unreadable)?)
+            Box::new(open(&self.file).map_err(unreadable)?)
         };
         let mut head = Vec::new();
         source.by_ref().take(pcapng::MAGIC.len() as u64).read_to_end(&mut head).map_err(unreadable)?;
@@ -64,6 +65,14 @@ impl Arguments {
             _ => Ok(Exit::Pass),
         }
     }
+}
+
+/// Opens a file or a terminal. A pipe is standard input: by its name it would keep the program waiting for a writer.
+fn open(path: &Path) -> io::Result<File> {
+    if regular_file::other_kind(path)? == Some("a pipe") {
+        return Err(io::Error::other("it is a pipe; name it as standard input: `lashloop decode - <PIPE`"));
+    }
+    File::open(path)
 }
 
 struct Printer<W: Write> {

@@ -76,7 +76,14 @@ impl Arguments {
             To::Mcap => (Format::Mcap, mcap),
             To::Mf4 => (Format::Mf4, mf4),
         };
-        let path = self.out.unwrap_or_else(|| self.record.join(name));
+        let path = match self.out {
+            Some(path) => path,
+            None => {
+                let path = self.record.join(name);
+                RecordFolder::remove_detour(&path)?;
+                path
+            }
+        };
         RecordFolder::check_output(&path)?;
         let columns = export(&record, &selection, format, &path)?;
         outln!("{} rows of {} columns: {}", columns.len(), columns.signals().len(), path.display());

@@ -1,9 +1,9 @@
 //! `lashloop identify`: estimates of a drive train from records.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use lashloop_bench::regular_file;
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
@@ -175,7 +175,7 @@ impl Arguments {
                 ..exact
             });
         }
-        let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
+        let of_file = regular_file::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
             (Some(known), _) => known,
             (None, Ok(scenario)) => {

@@ -70,6 +70,7 @@ use std::{env, io};
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 use lashloop_bench::device::Build;
+use lashloop_bench::supervisor::{end_at_signals, is_interrupted};
 use lashloop_bench::verdict::Exit;
 
 use lashloop::Bench;
@@ -148,6 +149,11 @@ pub fn main(bench: &Bench) -> ExitCode {
     let command = match matches.and_then(|matches| Lashloop::from_arg_matches(&matches)) {
         Ok(Lashloop { verbose, command }) => {
             log_to_standard_error(verbose);
+            // A twin and the far end of a ping-pong serve until they are killed, and a guard outlives its bench.
+            let serves = matches!(command, Command::Device(_) | Command::Tied(_) | Command::PingPong);
+            if !serves && let Err(error) = end_at_signals() {
+                output::warn(format_args!("signals end the program without its exit code: {error}"));
+            }
             command
         }
         Err(error) => {
@@ -159,6 +165,11 @@ pub fn main(bench: &Bench) -> ExitCode {
         Ok(exit) => exit.into(),
         Err(error) => {
             output::complain(format_args!("{error}"));
+            // An interruption may be the cause, so the error shows nothing about drive or link.
+            if is_interrupted() && error.exit() != Exit::Invalid {
+                output::complain(format_args!("INVALID: interrupted by the user"));
+                return Exit::Invalid.into();
+            }
             error.exit().into()
         }
     }

@@ -37,7 +37,7 @@ pub(super) struct BaudOption {
 }
 
 /// Id of every option that takes a device.
-const DEVICE: &str = "device";
+pub(super) const DEVICE: &str = "device";
 
 /// Makes the options that take a device parse the devices of this bench.
 pub(super) fn with_devices(command: Command, bench: &Bench) -> Command {

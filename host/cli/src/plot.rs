@@ -14,7 +14,7 @@ use lashloop_record::table;
 use lashloop_report::runs::{Input, Selection, figure};
 
 use super::error::CliError;
-use super::output::{outln, write_bytes};
+use super::output::{outln, write_bytes, write_in_folder};
 use super::png;
 use super::report::name_among;
 
@@ -82,11 +82,20 @@ impl Arguments {
         let selection =
             Selection { shown_s: from..=until, signals: self.signals.clone(), panels: panels.collect() };
         let svg = figure(&inputs, &selection)?.to_svg();
-        let path = self.out.clone().unwrap_or_else(|| default_file(&self.records[0]));
-        match ending(&path).as_deref() {
-            Some(PNG) => write_bytes(&path, &png::from_svg(&svg)?)?,
-            _ => write_bytes(&path, svg.as_bytes())?,
-        }
+        let path = match &self.out {
+            Some(path) if ending(path).as_deref() == Some(PNG) => {
+                write_bytes(path, &png::from_svg(&svg)?)?;
+                path.clone()
+            }
+            Some(path) => {
+                write_bytes(path, svg.as_bytes())?;
+                path.clone()
+            }
+            None => {
+                let (folder, name) = default_file(&self.records[0]);
+                write_in_folder(&folder, &name, svg.as_bytes())?
+            }
+        };
         outln!("figure: {}", path.display());
         Ok(Exit::Pass)
     }
@@ -120,6 +129,12 @@ fn read(path: &Path) -> Result<Input, CliError> {
     Ok(Input::Capture { columns, torn })
 }
 
-fn default_file(first: &Path) -> PathBuf {
-    if first.is_file() { first.with_extension("svg") } else { first.join(FIGURE_FILE) }
+/// Folder and name.
+fn default_file(first: &Path) -> (PathBuf, String) {
+    match (first.is_file(), first.file_stem()) {
+        (true, Some(stem)) => {
+            (first.parent().unwrap_or(Path::new("")).to_owned(), format!("{}.svg", stem.to_string_lossy()))
+        }
+        _ => (first.to_owned(), FIGURE_FILE.to_owned()),
+    }
 }

@@ -10,6 +10,7 @@ use lashloop_bench::scenario::Scenario;
 use super::colour::{self, Stream};
 use super::output::error_line;
 use lashloop_live::SoFar;
+use lashloop_session::printable;
 
 /// Steps between two updates of the bar: a run makes tens of thousands per second.
 const STRIDE: u64 = 250;
@@ -35,7 +36,7 @@ impl Progress {
         let bar = ProgressBar::new(total);
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message(message);
+        bar.set_message(printable(&message));
         Self { bar, steps: 0 }
     }
 
@@ -96,7 +97,10 @@ impl RunProgress {
     /// Shows the progress. `rate` is simulated time per wall-clock time.
     pub(super) fn show(&self, steps: u64, simulated_s: f64, rate: f64, so_far: &SoFar) {
         let verdict = so_far.decided().map_or_else(String::new, |verdict| {
-            let shown = colour::of_verdict(verdict, &verdict.to_string(), Stream::Error);
+            let shown = match &self.bar {
+                Some(_) => colour::of_verdict(verdict, &verdict.to_string(), Stream::Error),
+                None => verdict.to_string(),
+            };
             format!("{shown}: ")
         });
         let time = format!("{simulated_s:.1} s of {} s", Shown(self.duration_s));

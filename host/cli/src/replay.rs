@@ -10,7 +10,7 @@ use lashloop_record::diff::{Agreement, RecordFiles, Tolerance};
 
 use super::error::{CliError, system};
 use super::options::plants;
-use super::output::outln;
+use super::output::{outln, print_json_text};
 use super::supervision::start_supervisor;
 use lashloop::Bench;
 use lashloop::replay::{DriveEnd, Recording, replay};
@@ -63,7 +63,7 @@ impl Arguments {
         })?;
         drop(signals);
         if self.json {
-            outln!("{}", result.to_json().map_err(system("write the result as JSON"))?);
+            print_json_text(&result.to_json().map_err(system("write the result as JSON"))?);
         } else {
             outln!("{result}");
         }

@@ -11,7 +11,7 @@ use lashloop_report::page;
 
 use super::campaign_report;
 use super::error::CliError;
-use super::output::{outln, write_file};
+use super::output::{outln, write_file, write_in_folder};
 use lashloop::Bench;
 
 /// Make a page of a record: verdict, margins, linked plots, timing, faults; of several records a comparison
@@ -51,8 +51,12 @@ impl Arguments {
             folders => self.comparison(folders)?,
         };
         let file = if self.records.len() == 1 { REPORT_FILE } else { COMPARISON_FILE };
-        let path = self.out.unwrap_or_else(|| self.records[0].join(file));
-        save(&path, &text).map(|()| Exit::Pass)
+        let path = match self.out {
+            Some(path) => write_file(&path, &text).map(|()| path),
+            None => write_in_folder(&self.records[0], file, text.as_bytes()),
+        }?;
+        outln!("page: {}", path.display());
+        Ok(Exit::Pass)
     }
 
     fn comparison(&self, folders: &[PathBuf]) -> Result<String, CliError> {
@@ -83,16 +87,13 @@ pub(super) fn name_among(paths: &[PathBuf], path: &Path) -> String {
 
 /// Writes the page of a record into its folder.
 pub(super) fn write(folder: &Path) -> Result<(), CliError> {
-    save(&folder.join(REPORT_FILE), &page::run(&read(folder)?, &page::Panels::default()))
+    let page = page::run(&read(folder)?, &page::Panels::default());
+    let path = write_in_folder(folder, REPORT_FILE, page.as_bytes())?;
+    outln!("page: {}", path.display());
+    Ok(())
 }
 
 fn read(folder: &Path) -> Result<page::Run, CliError> {
     let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
     Ok(page::Run::read(name, folder)?)
-}
-
-fn save(path: &Path, text: &str) -> Result<(), CliError> {
-    write_file(path, text)?;
-    outln!("page: {}", path.display());
-    Ok(())
 }

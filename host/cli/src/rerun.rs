@@ -6,6 +6,7 @@ use std::path::{self, Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::process_plant::is_process;
 use lashloop_bench::run::{Clock, End};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::timing::ClockName;
@@ -46,6 +47,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "RIG.toml")]
     rig: Option<PathBuf>,
 
+    /// Connect to the port or address, load the image and start the plant's program that the record names. Without it, rerun
+    /// asks for --device, because a record may come from others
+    #[arg(long)]
+    trust: bool,
+
     /// Value instead of the record's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
@@ -65,6 +71,9 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     judged: JudgedOptions,
 }
+
+/// Drives that a record may choose: they have no place outside of this program and its builds.
+const OF_THIS_PROGRAM: [&str; 4] = ["native", "inproc", "qemu", "silicon"];
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
@@ -124,6 +133,12 @@ impl Arguments {
         let (overrides, plants) =
             (self.set.iter().cloned().map(Override::Set).collect::<Vec<_>>(), plants(bench));
         let scenario = Scenario::from_file_with(&file, &overrides, &plants)?;
+        if !self.trust && is_process(scenario.plant.model.name()) {
+            return Err(self.unusable(
+                "its plant is a program, and a record may come from others: give --trust to start it"
+                    .to_owned(),
+            ));
+        }
         let mut source = RunSource::new(&file, &overrides, &plants);
         source.rig = place.rig_file();
         let clock = match manifest.clock {
@@ -149,6 +164,11 @@ impl Arguments {
                 "the drive was a program, which a record does not start: give --device '{}', whose path begins in the present \
                  folder",
                 printable(&manifest.device)
+            )),
+            (None, None) if !self.trust && !OF_THIS_PROGRAM.contains(&&*manifest.device) => Err(format!(
+                "the record names the drive at {device}, and a record may come from others: give --trust to connect to it, or \
+                 --device '{device}'",
+                device = printable(&manifest.device)
             )),
             (None, None) => DeviceChoice::parse(&manifest.device, &bench.devices()),
         }

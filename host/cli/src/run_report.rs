@@ -9,11 +9,11 @@ use lashloop_record::summary::{Summary, Telemetry};
 use lashloop_session::CapturedRows;
 
 use super::colour::{self, Stream};
-use super::output::outln;
+use super::output::{outln, styled_line};
 
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, has_details: bool) {
     let verdict = colour::of_verdict(summary.verdict, &summary.verdict.to_string(), Stream::Output);
-    outln!("{verdict}  {}", scenario.title);
+    styled_line(&verdict, format_args!("  {}", scenario.title));
     if summary.verdict == Verdict::Pass && summary.expectations.is_empty() {
         outln!("note   nothing was expected: no [[expect]] judges the drive");
     }

@@ -4,12 +4,12 @@
 //! enough digits to restore the same bits, and choices are written by name.
 
 use std::fmt;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use lashloop_protocol::enums::ParameterValue;
 use toml_edit::{Document, Item, Key, Value};
 
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest;
 use lashloop_session::{Parameter, Session, SessionError, SetError, WrittenValue};
 
@@ -160,7 +160,7 @@ impl Settings {
     /// # Errors
     /// The file can't be read, is not TOML, or holds values other than numbers and texts.
     pub fn from_file(path: &Path) -> Result<Self, SettingsError> {
-        let text = fs::read_to_string(path)
+        let text = regular_file::read_text(path)
             .map_err(|source| SettingsError::Unreadable { path: path.to_owned(), source })?;
         let line_of = |offset: usize| 1 + text[..offset.min(text.len())].matches('\n').count();
         let document = Document::parse(text.as_str()).map_err(|error| SettingsError::Syntax {
@@ -249,6 +249,8 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use lashloop_session::LawMask;
+
+    use std::fs;
 
     use super::*;
 

@@ -40,6 +40,9 @@ pub(crate) fn validate_substeps(substeps: u32) -> Result<(), ParameterError> {
 /// Why a plant can't be built, or rejected a step or a change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
+    /// The user has interrupted the program while it waited for the plant.
+    #[error("INVALID: interrupted by the user while the bench waited for the plant's process")]
+    Interrupted,
     /// The torque is NaN or infinite.
     #[error("plant was given a torque of {torque_nm} N m, needs a finite one")]
     Torque {

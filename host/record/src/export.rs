@@ -9,6 +9,7 @@ use lashloop_session::names::UnknownName;
 
 use crate::columns::Columns;
 use crate::file_names::{EXPORT_FILES, SAMPLES_FILE};
+use crate::folder::RecordFolder;
 use crate::reader::Record;
 use crate::samples::{copy_with_index, write_table};
 use crate::trace::TIME;
@@ -153,7 +154,8 @@ pub fn csv_in_folder(folder: &Path) -> Result<(), WriteError> {
         |error: String| WriteError { path: path.clone(), action: "written", source: io::Error::other(error) };
     let record = Record::read_any(folder).map_err(|error| failed(error.to_string()))?;
     match Selection::all().of(&record) {
-        Ok(columns) => write_whole_at(&path, ".export-", |path| csv(&columns, path)),
+        Ok(columns) => RecordFolder::remove_detour(&path)
+            .and_then(|()| write_whole_at(&path, ".export-", |path| csv(&columns, path))),
         Err(ExportError::Nothing { .. }) => Ok(()),
         Err(error) => Err(failed(error.to_string())),
     }

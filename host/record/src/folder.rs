@@ -6,7 +6,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{WriteError, remove_if_present};
-use lashloop_bench::resume;
+use lashloop_bench::{regular_file, resume};
 use serde::Deserialize;
 use toml_edit::DocumentMut;
 
@@ -134,6 +134,16 @@ impl RecordFolder {
         if is_of_record { Err(FolderError::Recorded { path: file.to_owned() }) } else { Ok(()) }
     }
 
+    /// Removes a link, a pipe or a device that has the name of a file to be written. Whoever made the folder would decide by it
+    /// where the file goes.
+    ///
+    /// # Errors
+    /// It can't be removed.
+    pub fn remove_detour(file: &Path) -> Result<(), WriteError> {
+        let is_detour = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::symlink_metadata(file).is_ok_and(is_detour) { remove_if_present(file) } else { Ok(()) }
+    }
+
     /// The path.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -220,7 +230,7 @@ impl RecordFolder {
     /// scenario names it.
     fn owns(&self, file: &str) -> bool {
         let names_table = || {
-            let text = fs::read_to_string(self.path.join(SCENARIO_FILE)).ok()?;
+            let text = regular_file::read_text(&self.path.join(SCENARIO_FILE)).ok()?;
             let document: DocumentMut = text.parse().ok()?;
             Some(document.get("reference")?.get("file")?.as_str()? == REFERENCE_FILE)
         };
@@ -276,8 +286,8 @@ struct ManifestHead {
 }
 
 fn has_manifest(folder: &Path) -> bool {
-    let text = fs::read(folder.join(MANIFEST_FILE)).unwrap_or_default();
-    serde_json::from_slice::<ManifestHead>(&text).is_ok()
+    let text = regular_file::read_text(&folder.join(MANIFEST_FILE)).unwrap_or_default();
+    serde_json::from_str::<ManifestHead>(&text).is_ok()
 }
 
 /// Completes the start of a record that a kill has cut short between its renames.

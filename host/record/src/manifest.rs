@@ -1,7 +1,6 @@
 //! `record.json`: what was run. Written before the first step.
 
 use std::fmt;
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -9,6 +8,7 @@ use std::time::{Duration, SystemTime};
 use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_bench::device::{Evidence, FileHash};
 use lashloop_bench::process_plant;
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest::sha256;
 use lashloop_bench::run::real_time::RealTime;
 use lashloop_bench::run::{Clock, RunStart};
@@ -259,7 +259,8 @@ fn plant_files(scenario: &Scenario, warnings: &mut Vec<String>) -> Vec<FileHash>
         }
         _ => Vec::new(),
     };
-    let hash = |path: PathBuf| FileHash::new(&path, fs::read(&path).map(|bytes| sha256(&bytes)), warnings);
+    let hash =
+        |path: PathBuf| FileHash::new(&path, regular_file::read(&path).map(|bytes| sha256(&bytes)), warnings);
     files.into_iter().map(hash).collect()
 }
 

@@ -1,9 +1,9 @@
 //! Reads the record of a run, also of an interrupted one.
 
-use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use lashloop_bench::regular_file;
 use serde::de::DeserializeOwned;
 
 use crate::columns::Columns;
@@ -105,8 +105,8 @@ fn read_json<T: DeserializeOwned>(
     fault: fn(serde_json::Error) -> ReadFault,
 ) -> Result<T, ReadError> {
     let error = |fault| ReadError { path: path.to_owned(), fault };
-    let text = fs::read(path).map_err(|source| error(source.into()))?;
-    serde_json::from_slice(&text).map_err(|source| error(fault(source)))
+    let text = regular_file::read_text(path).map_err(|source| error(source.into()))?;
+    serde_json::from_str(&text).map_err(|source| error(fault(source)))
 }
 
 fn if_it_exists<T>(read: Result<T, ReadError>) -> Result<Option<T>, ReadError> {

@@ -1,8 +1,9 @@
 //! Where a run comes from: the command line, the scenario's file, and what was set in its place.
 
+use std::env;
 use std::path::Path;
-use std::{env, fs};
 
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest::sha256;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_plant::Plants;
@@ -39,7 +40,7 @@ impl RunSource {
     /// The source of a run of this process.
     #[must_use]
     pub fn new(scenario: &Path, overrides: &[Override], plants: &Plants) -> Self {
-        let text = fs::read(scenario).ok();
+        let text = regular_file::read(scenario).ok();
         let of_file = || String::from_utf8(text.clone()?).ok()?.parse::<DocumentMut>().ok();
         let before = of_file().filter(|_| !overrides.is_empty()).map(|mut document| {
             document.remove("sweep");
@@ -112,6 +113,8 @@ fn without_secret(argument: String) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use lashloop_bench::scenario::plant::standard;
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use lashloop_bench::regular_file::RegularFile;
 use lashloop_bench::scenario::unit;
 use lashloop_plant::Signal;
 
@@ -47,7 +48,8 @@ pub enum TableError {
 /// The file can't be read or has no such table.
 pub fn read(path: &Path) -> Result<Columns, TableError> {
     let error = |source| TableError::Csv { path: path.to_owned(), source };
-    let mut reader = csv::Reader::from_path(path).map_err(error)?;
+    let reader = RegularFile::open(path).map_err(|source| error(source.into()))?;
+    let mut reader = csv::Reader::from_reader(reader.file);
     let names = reader.headers().map_err(error)?.clone();
     match names.get(0) {
         Some(TIME) => {}

@@ -1,5 +1,7 @@
 //! Text of a drive, made fit for terminals and files.
 
+use std::borrow::Cow;
+
 /// Escapes the characters of a foreign text that a terminal or a reader would not show as they are: control characters, and
 /// with them ANSI sequences, marks that change the direction of the text, and everything else without a glyph, as `\u{..}`.
 ///
@@ -16,9 +18,35 @@ pub fn printable(text: &str) -> String {
     shown
 }
 
+/// As [`printable`], for whole outputs: lines and tabs stay, and so does what has no glyph and controls nothing.
+#[must_use]
+pub fn without_controls(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_control) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for character in text.chars() {
+        if is_control(character) { shown.extend(character.escape_unicode()) } else { shown.push(character) }
+    }
+    Cow::Owned(shown)
+}
+
+/// Whether a terminal acts on a character instead of showing it: control characters, marks of the direction of the text.
+#[must_use]
+pub fn is_control(character: char) -> bool {
+    let is_of_direction = |it| matches!(it, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    (character.is_control() && !"\n\t".contains(character)) || is_of_direction(character)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_output_keeps_its_lines_and_no_control() {
+        assert_eq!(without_controls("a\tb\nµ \u{301}\n"), "a\tb\nµ \u{301}\n");
+        assert_eq!(without_controls("\u{1b}[2J\r\u{9b}1m\u{202e}"), r"\u{1b}[2J\u{d}\u{9b}1m\u{202e}");
+    }
 
     #[test]
     fn text_with_glyphs_is_kept() {

@@ -33,11 +33,13 @@ pub(crate) fn no_image() {
     assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
 }
 
-/// A file that QEMU loads as a program and that locks up the processor at once.
+/// A file that QEMU loads as a program and that locks up the processor at once: its first function is at no memory, and so is
+/// the handler of that fault.
 pub(crate) fn stranger() {
     let records = Records::new();
     let image = records.path("zeros.bin");
-    std::fs::write(&image, [0; 1024]).expect("an image of the test");
+    let vectors = [0x2000_1000_u32, 0x0fff_ffff].map(u32::to_le_bytes).concat();
+    std::fs::write(&image, [&vectors[..], &[0; 1016]].concat()).expect("an image of the test");
     let device = format!("qemu:{}", image.display());
     let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);

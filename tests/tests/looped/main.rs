@@ -27,6 +27,7 @@ mod first_reach;
 mod fmu;
 mod hostile;
 mod idle;
+mod interruptions;
 mod link_faults;
 mod network_errors;
 mod own_law;

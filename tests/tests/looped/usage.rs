@@ -86,6 +86,6 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
 
 #[test]
 fn benchmark_refuses_a_missing_core() {
-    let ended = program::run(["benchmark", "--core", "1023"]).with_code(4);
-    assert!(ended.stderr.contains("can't choose a core"), "{}", ended.stderr);
+    let ended = program::run(["benchmark", "--core", "1023"]).with_code(2);
+    assert!(ended.stderr.contains("--core 1023 can't be used"), "{}", ended.stderr);
 }

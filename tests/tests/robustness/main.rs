@@ -3,6 +3,7 @@
 #[path = "../../../firmware/tests/properties/action.rs"]
 mod action;
 mod damaged;
+mod damaged_records;
 mod fuzz_corpus;
 #[allow(dead_code, reason = "the property tests read more of a step")]
 #[path = "../../../firmware/tests/properties/invariants.rs"]

@@ -3,10 +3,17 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use lashloop_bench::run::{DriveValues, Step, TraceRow};
+use lashloop_bench::timing::{StepOutcome, StepTiming};
+use lashloop_decode::capture::pcapng;
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
+use lashloop_plant::Signal;
+use lashloop_plant::metrics::SignalTable;
 use lashloop_protocol::enums::{CaptureTrigger, ParameterValue, State, ZeroSource};
+use lashloop_protocol::layout::Direction;
 use lashloop_protocol::message::{
     Arm, Capture, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EnterLoader, ForgetParameters, GetParameter, Hello, ReadCapture, RecallParameters, Reference,
@@ -14,6 +21,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{HostMessage, Message};
+use lashloop_record::samples::{SampleWriter, StepTimes};
 
 use examples::NUMBER;
 
@@ -70,10 +78,91 @@ impl Seed {
 
 /// Seeds of the fuzzers that read bytes. The scenario fuzzer has symbolic links to scenarios as seeds.
 pub fn seeds() -> Vec<Seed> {
-    [decoder_seeds(), frames_seeds(), drive_seeds(), state_seeds(), session_seeds()]
+    [decoder_seeds(), frames_seeds(), drive_seeds(), state_seeds(), session_seeds(), file_seeds()]
         .into_iter()
         .flatten()
         .collect()
+}
+
+const RIG: &str = r#"title = "A bench"
+contact = "the person next to it"
+board = "nucleo-f446re"
+
+[port]
+device = "tcp:127.0.0.1:7000"
+
+[encoders]
+motor_counts_per_rev = 4096
+
+[limits]
+torque_nm = 0.5
+load_travel_rad = 4.0
+"#;
+
+/// Seeds of the readers of files. Those of a campaign are symbolic links, as those of the scenarios are.
+fn file_seeds() -> Vec<Seed> {
+    let shard = format!("case,part,value,torque_sha256\n0,\"a,b\",1.5,{0}\n1,c,none,{0}\n", "0a".repeat(32));
+    vec![
+        Seed::new("record", "five_steps", recorded()),
+        Seed::new("shard", "two_rows", shard.into_bytes()),
+        Seed::new("rig", "board", RIG.as_bytes().to_vec()),
+        Seed::new("pcapng", "conversation", captured()),
+        Seed::new("elf", "vectors", linked()),
+    ]
+}
+
+/// `run.mcap` of five steps in two chunks, without a signal of a plant.
+fn recorded() -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let signals = SignalTable { plant: Vec::new(), drive: vec![Signal::new("load_error_rad", "rad")] };
+    let times = StepTimes { start_ns: 1_000_000_007, period_us: 1000 };
+    let mut writer = SampleWriter::create(folder.path(), &signals, times, 0, 3, &[]).expect("samples");
+    for step in 0..5_u32 {
+        let time_s = f64::from(step) * 1e-3;
+        let row = TraceRow {
+            time_s,
+            reference_rad: 0.1,
+            load_position_rad: 0.01 * time_s,
+            motor_position_rad: 0.03 * time_s,
+            torque_nm: 0.5,
+        };
+        let outcome = StepOutcome::Answered;
+        let timing = StepTiming { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None };
+        let drive = DriveValues { values: [0.25].into_iter().collect(), time_s: Some(0.0) };
+        let step = Step { row, sample: None, plant: [].into_iter().collect(), drive, timing };
+        writer.push(&step).expect("a step");
+    }
+    writer.finish(("summary.json", "{}")).expect("samples");
+    fs::read(folder.path().join("run.mcap")).expect("samples")
+}
+
+/// A capture of the pinned messages that a run has.
+fn captured() -> Vec<u8> {
+    let mut capture = pcapng::file_header();
+    let host = examples::from_host()
+        .into_iter()
+        .map(|it| (name_of(&it), Direction::HostToDrive, it.numbered_frame(NUMBER).to_vec()));
+    let drive = examples::from_drive()
+        .into_iter()
+        .map(|it| (name_of(&it), Direction::DriveToHost, it.numbered_frame(NUMBER).to_vec()));
+    let of_run = ["start", "encodersample", "torqueanswer", "parameterreport"];
+    for (_, direction, frame) in host.chain(drive).filter(|(name, ..)| of_run.contains(&&**name)) {
+        pcapng::append_packet(&mut capture, 1_000_000, direction, &frame);
+    }
+    capture
+}
+
+/// An ELF of one segment: a vector table of a Cortex-M at the start of its flash.
+fn linked() -> Vec<u8> {
+    let half = |number: u16| number.to_le_bytes().to_vec();
+    let word = |number: u32| number.to_le_bytes().to_vec();
+    let start =
+        [half(2), half(40), word(1), word(0x0800_0009), word(52), word(0), word(0x0500_0000)].concat();
+    let sizes = [52, 32, 1, 40, 0, 0].map(|size: u16| half(size)).concat();
+    let segment = [1, 84, 0x0800_0000, 0x0800_0000, 12, 12, 5, 4].map(word).concat();
+    let vectors = [0x2000_1000, 0x0800_0009, 0xbf00_bf00].map(word).concat();
+    let ident = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0";
+    [&ident[..], &start, &sizes, &segment, &vectors].concat()
 }
 
 fn name_of<M: Message>(message: &M) -> String {

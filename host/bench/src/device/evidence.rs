@@ -13,6 +13,8 @@ use lashloop_protocol::message::Identity;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::regular_file::RegularFile;
+
 /// The files that run as a drive, as its kind gives them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DriveFiles {
@@ -53,7 +55,10 @@ impl OpenFiles {
     pub(super) fn open(files: DriveFiles) -> Self {
         let DriveFiles { paths, rebuilt_by } = files;
         let stale = rebuilt_by.and_then(|_| newer_source(paths.first()?));
-        let files = paths.into_iter().map(|path| (path.clone(), File::open(path))).collect();
+        let files = paths
+            .into_iter()
+            .map(|path| (path.clone(), RegularFile::open(&path).map(|it| it.file)))
+            .collect();
         Self { files, rebuilt_by, stale }
     }
 

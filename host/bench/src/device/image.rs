@@ -2,9 +2,11 @@
 
 use std::env;
 use std::ffi::OsString;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use super::error::{DeviceError, listed};
+use crate::regular_file::RegularFile;
 
 /// Names of the images that `cargo xtask image` builds: this one for its default board, the others with the name of theirs.
 const IMAGE: &str = "lashloop-firmware.elf";
@@ -42,12 +44,40 @@ pub fn find(kind: &'static str, given: Option<&Path>) -> Result<PathBuf, DeviceE
         Some(image) => vec![image.to_owned()],
         None => places(IMAGE, env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
     };
-    first(places).map_err(|places| {
+    let image = first(places).map_err(|places| {
         DeviceError::Missing(format!(
             "no image of the firmware at {}: build it with `cargo xtask image`, or name it by {kind}:PATH or {VARIABLE}",
             listed(&places)
         ))
-    })
+    })?;
+    let other = |what: String| {
+        let (image, remedy) = (image.display(), "name the ELF that the build of the firmware makes");
+        DeviceError::Missing(format!("{image} {what}; {remedy}, by {kind}:PATH or {VARIABLE}"))
+    };
+    match is_for_arm(&image) {
+        Ok(true) => Ok(image),
+        Ok(false) => {
+            Err(other("isn't an image: neither an ELF for a 32-bit Arm processor nor its bytes".to_owned()))
+        }
+        Err(error) => Err(other(format!("can't be read: {error}"))),
+    }
+}
+
+/// Whether a file begins as an ELF of 32 bits for Arm does, or with the vectors of a Cortex-M: a stack in RAM and a function
+/// in the flash. An emulator would run any bytes, and the drive would get the blame.
+fn is_for_arm(image: &Path) -> io::Result<bool> {
+    /// Its class is 32 bits, its bytes are little endian.
+    const MAGIC: &[u8] = b"\x7fELF\x01\x01";
+    /// `e_machine`, behind `e_ident` and `e_type`.
+    const MACHINE: (usize, [u8; 2]) = (18, [40, 0]);
+    let mut head = Vec::new();
+    RegularFile::open(image)?.file.take(20).read_to_end(&mut head)?;
+    let (at, machine) = MACHINE;
+    let is_elf = head.starts_with(MAGIC) && head.get(at..) == Some(&machine[..]);
+    let word = |at: usize| head.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes));
+    let has_vectors = matches!((word(0), word(4)), (Some(stack), Some(reset))
+        if (0x1000_0000..0x4000_0000).contains(&stack) && reset & 1 == 1 && reset < 0x1000_0000);
+    Ok(is_elf || has_vectors)
 }
 
 /// The image of `cargo xtask image` for a board, for the default board without one.
@@ -110,5 +140,23 @@ mod tests {
         let want = "no image of the firmware at none.elf: build it with `cargo xtask image`, or name it by qemu:PATH or \
                     LASHLOOP_IMAGE";
         assert_eq!(error.to_string(), want);
+    }
+
+    #[test]
+    fn an_image_is_an_elf_for_arm_or_its_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = folder.path().join("image");
+        let elf = |machine: u8| [&b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0\x02\0"[..], &[machine, 0]].concat();
+        let vectors = [0x2000_1000_u32, 0x0800_0181].map(u32::to_le_bytes).concat();
+        for (bytes, is_image) in [
+            (elf(40), true),
+            (vectors, true),
+            (elf(62), false),
+            (b"# Read me first\n".to_vec(), false),
+            (vec![], false),
+        ] {
+            std::fs::write(&image, &bytes).unwrap();
+            assert_eq!(find("qemu", Some(&image)).is_ok(), is_image, "{bytes:x?}");
+        }
     }
 }

@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use lashloop_plant::PlantError;
+
 /// Why a plant in another process failed. Each message says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum ProcessError {
@@ -139,4 +141,16 @@ pub enum ProcessError {
     /// The process reports that it can't continue.
     #[error("the plant's process reports: {0}")]
     Reported(String),
+    /// The user has interrupted the program while it waited for the process.
+    #[error("interrupted by the user")]
+    Interrupted,
+}
+
+impl From<ProcessError> for PlantError {
+    fn from(error: ProcessError) -> Self {
+        match error {
+            ProcessError::Interrupted => Self::Interrupted,
+            other => Self::Failed(other.to_string()),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::env;
 use std::path::{Path, PathBuf};
 
-use lashloop_plant::{Key, PlantError, PlantModel, PlantValue, PlantValues, Release};
+use lashloop_plant::{Key, PlantModel, PlantValue, PlantValues, Release};
 
 use super::error::ProcessError;
 use super::keys;
@@ -54,10 +54,7 @@ pub fn model(bench: Option<PathBuf>) -> PlantModel {
     all.extend(keys::shared());
     all.push(Key::table("start", "Start values: variables of the FMU with their values."));
     let summary = "An FMU of FMI 2.0 or 3.0 for co-simulation, in a process of its own.";
-    PlantModel::new(NAME, summary, all, move |release| {
-        let plant = start(release, bench.clone());
-        Ok(Box::new(plant.map_err(|error| PlantError::Failed(error.to_string()))?))
-    })
+    PlantModel::new(NAME, summary, all, move |release| Ok(Box::new(start(release, bench.clone())?)))
 }
 
 fn start(release: &Release<'_>, bench: Option<PathBuf>) -> Result<ProcessPlant, ProcessError> {

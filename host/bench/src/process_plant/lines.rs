@@ -2,12 +2,17 @@
 
 use std::io::{self, PipeReader, PipeWriter, Read, Write};
 use std::os::fd::AsFd;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use crate::supervisor::is_interrupted;
+
 /// Longest line that is read, in bytes.
 const LONGEST_LINE: usize = 1 << 20;
+
+/// Time between two looks at whether the user has interrupted the program.
+const SLICE: Duration = Duration::from_millis(100);
 
 /// A process's standard input and output.
 pub(super) struct Lines {
@@ -28,6 +33,8 @@ pub(super) enum NoLine {
     NotRead,
     /// The line is longer than [`LONGEST_LINE`].
     TooLong,
+    /// The user has interrupted the program, which has to wait.
+    Interrupted,
 }
 
 impl Lines {
@@ -111,8 +118,11 @@ impl Lines {
 fn is_ready(pipe: impl AsFd, flags: PollFlags, deadline: Instant) -> Result<bool, NoLine> {
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
-        let timeout = Timespec::try_from(left).ok();
+        let timeout = Timespec::try_from(left.min(SLICE)).ok();
         match poll(&mut [PollFd::new(&pipe, flags)], timeout.as_ref()) {
+            // A process that answers is not interrupted: the run ends at its step.
+            Ok(0) if left > SLICE && is_interrupted() => return Err(NoLine::Interrupted),
+            Ok(0) if left > SLICE => {}
             Ok(count) => return Ok(count > 0),
             Err(rustix::io::Errno::INTR) => {}
             Err(_) => return Err(NoLine::Closed),

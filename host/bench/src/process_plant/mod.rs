@@ -22,7 +22,7 @@ mod plant;
 
 use std::path::{Path, PathBuf};
 
-use lashloop_plant::{Key, PlantError, PlantModel, PlantValues};
+use lashloop_plant::{Key, PlantModel, PlantValues};
 
 pub use error::ProcessError;
 pub use fmu::{loader, model as fmu};
@@ -67,7 +67,7 @@ pub fn model(bench: Option<PathBuf>) -> PlantModel {
             let settings = release.values.get("settings");
             plant::ProcessPlant::start(release, Launch { program, settings, scratch: None }, bench.clone())
         };
-        Ok(Box::new(launch().map_err(|error| PlantError::Failed(error.to_string()))?))
+        Ok(Box::new(launch()?))
     })
 }
 

@@ -11,6 +11,7 @@ use super::error::ProcessError;
 use super::keys::{FILES, FOLDER};
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
+use crate::regular_file::RegularFile;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 use lashloop_session::printable;
 
@@ -52,7 +53,7 @@ impl ProcessPlant {
         let values = release.values;
         let folder = folder(values, release.folder);
         for file in named_files(values, &folder) {
-            std::fs::File::open(&file).map_err(|source| ProcessError::File { file, source })?;
+            RegularFile::open(&file).map_err(|source| ProcessError::File { file, source })?;
         }
         let Launch { program, settings, scratch } = launch;
         let supervisor = Supervisor::without_signals(bench)?;
@@ -108,6 +109,7 @@ impl ProcessPlant {
             NoLine::Closed => ProcessError::Ended { status: self.status(), stderr: self.stderr() },
             NoLine::Late => ProcessError::Silent { limit, key, stderr: self.stderr() },
             NoLine::NotRead => ProcessError::NotRead { limit, key, stderr: self.stderr() },
+            NoLine::Interrupted => ProcessError::Interrupted,
             NoLine::TooLong => ProcessError::Malformed {
                 line: "...".to_owned(),
                 reason: "a line must be shorter than 1 MiB".to_owned(),
@@ -164,7 +166,7 @@ impl Plant for ProcessPlant {
         if !torque_nm.is_finite() {
             return Err(PlantError::Torque { torque_nm });
         }
-        self.advance(torque_nm, dt_s).map_err(|error| PlantError::Failed(error.to_string()))
+        self.advance(torque_nm, dt_s).map_err(PlantError::from)
     }
 }
 

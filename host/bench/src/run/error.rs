@@ -85,6 +85,7 @@ impl RunError {
     #[must_use]
     pub fn exit(&self) -> Exit {
         match self {
+            Self::Integration(PlantError::Interrupted) => Exit::Invalid,
             Self::Device(DeviceError::NoScale { .. }) => Exit::UsageOrScenario,
             Self::Device(_) => Exit::DeviceOrLink,
             _ => Exit::UsageOrScenario,

@@ -1,13 +1,11 @@
 //! A file of settings as text.
-//!
-//! Only a regular file is read: a pipe or a terminal would make the program wait for a writer that may not exist.
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 use super::error::ScenarioError;
+use crate::regular_file;
 
 /// Largest file in bytes. A long reference is a table in a file of its own, and a scenario of this size has 10,000 faults.
 const LARGEST: u64 = 1 << 20;
@@ -16,15 +14,13 @@ const LARGEST: u64 = 1 << 20;
 pub(super) fn read(path: &Path, kind: &str) -> Result<String, ScenarioError> {
     let unusable = |reason: String| ScenarioError::Unusable { path: path.to_owned(), reason };
     let cannot_read = |error: io::Error| unusable(format!("cannot be read: {error}"));
-    let file_type = std::fs::metadata(path).map_err(cannot_read)?.file_type();
-    let other = match () {
-        () if file_type.is_file() => None,
-        () if file_type.is_dir() => Some("a folder; name a file in it".to_owned()),
-        () if file_type.is_fifo() => Some(format!("a pipe; write the {kind} to a file first")),
-        () => Some("a device; name a file".to_owned()),
-    };
-    if let Some(other) = other {
-        return Err(unusable(format!("is {other}")));
+    if let Some(other) = regular_file::other_kind(path).map_err(cannot_read)? {
+        let remedy = match other {
+            "a folder" => "name a file in it".to_owned(),
+            "a pipe" => format!("write the {kind} to a file first"),
+            _ => "name a file".to_owned(),
+        };
+        return Err(unusable(format!("is {other}; {remedy}")));
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(cannot_read)?;

@@ -15,4 +15,4 @@ mod service;
 pub use activity::{Wait, Watch};
 pub use find::find_program;
 pub use process::{Process, Program};
-pub use service::{SignalGuard, Supervisor};
+pub use service::{SignalGuard, Supervisor, end_at_signals, is_interrupted};

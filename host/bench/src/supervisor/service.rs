@@ -1,22 +1,27 @@
 //! The thread that starts children and receives signals.
 
-use std::io::{PipeReader, PipeWriter};
+use std::io::{PipeReader, PipeWriter, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::{io, thread};
 
-use tokio::runtime::Handle;
+use tokio::runtime::{Handle, Runtime};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::oneshot;
 
 use super::process::{Author, Process, Program};
 
-/// What a shell reports of a program that Ctrl-C ended.
-const KILLED: i32 = 130;
+/// Exit code of an interruption: that of INVALID, at every moment.
+const INTERRUPTED: i32 = 3;
+
+/// Supervisors that handle signals.
+static HANDLERS: AtomicUsize = AtomicUsize::new(0);
+/// Whether a signal has arrived in this process.
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 #[derive(Default)]
 struct Signals {
@@ -28,9 +33,73 @@ struct Signals {
 impl Signals {
     /// Handles a signal. Without a guard, and at the second signal, the process ends; the kernel ends its children.
     fn arrived(&self) {
+        REQUESTED.store(true, Ordering::Relaxed);
         if self.requested.swap(true, Ordering::Relaxed) || !self.guarded.load(Ordering::Relaxed) {
-            std::process::exit(KILLED);
+            end();
         }
+    }
+}
+
+/// Ends the process, for there is no result to be kept.
+fn end() -> ! {
+    let called = std::env::args_os().next().unwrap_or_default();
+    let name = Path::new(&called).file_name().unwrap_or("lashloop".as_ref()).display();
+    // Nobody may read it.
+    let _ = writeln!(io::stderr(), "{name}: INVALID: interrupted by the user before there was a result");
+    std::process::exit(INTERRUPTED)
+}
+
+/// Whether SIGINT or SIGTERM has arrived in this process, for code without a [`Supervisor`] that handles signals.
+#[must_use]
+pub fn is_interrupted() -> bool {
+    REQUESTED.load(Ordering::Relaxed)
+}
+
+/// Ends the process at SIGINT and SIGTERM with the exit code of INVALID, whenever no [`Supervisor`] handles them. For the
+/// start of a program: until then a signal would end it without a word.
+///
+/// # Errors
+/// The system refused a thread, a runtime or the signal handlers.
+pub fn end_at_signals() -> io::Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    receive_signals(&runtime, || {
+        REQUESTED.store(true, Ordering::Relaxed);
+        if HANDLERS.load(Ordering::Relaxed) == 0 {
+            end();
+        }
+    })?;
+    let forever = move || runtime.block_on(std::future::pending::<()>());
+    thread::Builder::new().name("signals".to_owned()).spawn(forever)?;
+    Ok(())
+}
+
+/// Calls `arrived` at each SIGINT and SIGTERM, on the thread of the runtime.
+fn receive_signals(runtime: &Runtime, arrived: impl Fn() + Clone + Send + 'static) -> io::Result<()> {
+    let _inside = runtime.enter();
+    for kind in [SignalKind::interrupt(), SignalKind::terminate()] {
+        let (mut source, arrived) = (signal(kind)?, arrived.clone());
+        tokio::spawn(async move {
+            while source.recv().await.is_some() {
+                arrived();
+            }
+        });
+    }
+    Ok(())
+}
+
+/// A supervisor that handles signals, while it lives.
+struct Handling;
+
+impl Handling {
+    fn begin() -> Self {
+        HANDLERS.fetch_add(1, Ordering::Relaxed);
+        Self
+    }
+}
+
+impl Drop for Handling {
+    fn drop(&mut self) {
+        HANDLERS.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -43,6 +112,7 @@ pub struct Supervisor {
     _end: oneshot::Sender<()>,
     signals: Arc<Signals>,
     _thread: Joined,
+    _handling: Option<Handling>,
 }
 
 /// A thread that has ended, with its open files, once this is dropped: a program that starts many runs, one after the other, must
@@ -91,24 +161,25 @@ impl Supervisor {
         // Without these the runtime would panic where it makes its own.
         drop([UnixStream::pair()?, UnixStream::pair()?, UnixStream::pair()?]);
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let inside = runtime.enter();
-        let kinds = [SignalKind::interrupt(), SignalKind::terminate()];
-        for kind in kinds.into_iter().filter(|_| handles_signals) {
-            let (mut source, shared) = (signal(kind)?, Arc::clone(&signals));
-            tokio::spawn(async move {
-                while source.recv().await.is_some() {
-                    shared.arrived();
-                }
-            });
+        if handles_signals {
+            let shared = Arc::clone(&signals);
+            receive_signals(&runtime, move || shared.arrived())?;
         }
-        drop(inside);
         let (handle, (end, ended)) = (runtime.handle().clone(), oneshot::channel());
         let work = move || {
             let _ = runtime.block_on(ended);
         };
         let thread = thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
         tracing::debug!(thread = "supervisor", "started");
-        Ok(Self { bench, runtime: handle, _end: end, signals, _thread: Joined(Some(thread)) })
+        let handling = handles_signals.then(Handling::begin);
+        Ok(Self {
+            bench,
+            runtime: handle,
+            _end: end,
+            signals,
+            _thread: Joined(Some(thread)),
+            _handling: handling,
+        })
     }
 
     /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a

@@ -1,13 +1,13 @@
 //! How far each shard of a campaign is, from its files alone: it can be read where no scheduler is.
 
 use std::fmt;
-use std::fs::File;
 use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use crate::shard::Shard;
 use crate::shard_file::{complete_path, growing_path};
+use lashloop_bench::regular_file::RegularFile;
 use serde::Serialize;
 
 use super::error::ClusterError;
@@ -115,7 +115,7 @@ fn state_of(
 
 /// Whole lines below the header, and the time of the last write.
 fn rows(path: &Path) -> io::Result<(u64, SystemTime)> {
-    let mut file = File::open(path)?;
+    let mut file = RegularFile::open(path)?.file;
     let changed = file.metadata()?.modified()?;
     let (mut buffer, mut lines) = (vec![0; 1 << 16], 0_u64);
     loop {

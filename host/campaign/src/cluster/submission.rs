@@ -1,14 +1,14 @@
 //! What was submitted into a folder, `slurm/submission.json`, and what a further command submits.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::facts::Facts;
 use crate::shard_file::{complete_path, facts_path, shards_in};
 use crate::{Campaign, Selection, Source};
-use lashloop_bench::resume;
+use lashloop_bench::{regular_file, resume};
 use lashloop_record::json_file::write_json;
 use serde::{Deserialize, Serialize};
 
@@ -114,7 +114,7 @@ impl Submission {
     /// The file can't be read, or is of another format.
     pub fn read(out: &Path) -> Result<Option<Self>, ClusterError> {
         let path = out.join(FOLDER).join(FILE);
-        let text = match fs::read(&path) {
+        let text = match regular_file::read(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(ClusterError::Io { path, action: "read", source }),

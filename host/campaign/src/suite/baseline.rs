@@ -10,13 +10,13 @@
 //! The case of a scenario without a sweep has no settings.
 
 use std::collections::BTreeMap;
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::check::Check;
 use lashloop_bench::atomic_file::{WriteError, write_whole};
 use lashloop_bench::number::six_digits;
+use lashloop_bench::regular_file;
 use lashloop_plant::metrics::Metric;
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +91,7 @@ impl Baseline {
     /// # Errors
     /// The file can't be read, isn't TOML of this form, or names no metric.
     pub fn read(path: &Path) -> Result<Option<Self>, BaselineError> {
-        let text = match fs::read_to_string(path) {
+        let text = match regular_file::read_text(path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(BaselineError::Read { path: path.to_owned(), source }),
@@ -209,6 +209,8 @@ fn unit_of(metric: &str) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn metrics(settle_time_s: f64) -> BTreeMap<String, f64> {

@@ -29,6 +29,7 @@ use lashloop_bench::verdict::Exit;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use rustix::time::Timespec;
 
+use super::clock_options::core_refusal;
 use super::error::{CliError, system};
 use super::output::outln;
 use super::ping_pong::NearEnd;
@@ -77,11 +78,14 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        if let Some(refusal) = self.core.and_then(core_refusal) {
+            return Err(refusal);
+        }
         let anywhere = sched_getaffinity(None).map_err(system(PLACE))?;
         let mut here = anywhere;
         if let Some(core) = self.core {
             here = CpuSet::new();
-            here.set(core.min(CpuSet::MAX_CPU - 1));
+            here.set(core);
         }
         // Processes started from here on inherit the core.
         let stay = |cores: &CpuSet| sched_setaffinity(None, cores).map_err(system(PLACE));

@@ -1,12 +1,12 @@
 //! `lashloop paper experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
 
-use std::fs;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop::Bench;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::regular_file;
 use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
 use lashloop_bench::scenario::{Override, Scenario};
@@ -164,7 +164,7 @@ const TORQUE_DELAY: &str = "plant.torque_delay_us=";
 /// The plant of a file as settings of a scenario. What the file leaves out has its default.
 fn plant_settings(file: &Path) -> Result<Vec<String>, CliError> {
     let input = |source| CliError::Input { path: file.to_owned(), source };
-    let text = fs::read_to_string(file).map_err(input)?;
+    let text = regular_file::read_text(file).map_err(input)?;
     let invalid = |problem: String| input(io::Error::other(problem));
     let document: DocumentMut =
         text.parse().map_err(|error: toml_edit::TomlError| invalid(error.message().to_owned()))?;
@@ -271,6 +271,8 @@ fn wait_for_start(scenario: &Scenario) -> Result<(), CliError> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

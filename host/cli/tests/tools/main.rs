@@ -6,6 +6,7 @@ mod diff;
 mod dissector;
 mod doctor;
 mod export;
+mod foreign;
 mod link_budget;
 mod live;
 mod plot;

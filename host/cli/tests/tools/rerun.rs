@@ -97,7 +97,7 @@ fn device_with_a_relative_path_is_found_from_another_folder() {
     run.args(["--device", "./drive", "--out", "a", "--set", "run.duration_s=0.2", "--set", "expect=[]"]);
     let ended = run.output().unwrap();
     assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
-    let (code, printed) = rerun(&runs.folder("a"), &["--out", runs.folder("b").to_str().unwrap()]);
+    let (code, printed) = rerun(&runs.folder("a"), &["--trust", "--out", runs.folder("b").to_str().unwrap()]);
     assert_eq!(code, Some(0), "{printed}");
     assert!(printed.contains("Set differently: nothing"), "{printed}");
 }
@@ -193,11 +193,11 @@ fn plant_in_a_process_runs_where_it_ran_and_its_change_is_named() {
     let ended =
         lashloop(&[&["run", scenario, "--device", "inproc", "--out", folder][..], &short].concat(), &[]);
     assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
-    let (code, printed) = rerun(&out, &[]);
+    let (code, printed) = rerun(&out, &["--trust"]);
     assert!(code == Some(0) && printed.contains("Set differently: nothing"), "{code:?}: {printed}");
     let plant = fs::read_to_string(lab.join("plant.py")).unwrap();
     fs::write(lab.join("plant.py"), plant.replace("\"f_s\": 16.0", "\"f_s\": 17.0")).unwrap();
-    let (code, printed) = rerun(&out, &[]);
+    let (code, printed) = rerun(&out, &["--trust"]);
     assert_eq!(code, Some(1), "{printed}");
     assert!(printed.contains("sha256 of plant.py") && printed.contains("First difference"), "{printed}");
 }

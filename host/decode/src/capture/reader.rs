@@ -8,7 +8,7 @@ use pcap_parser::pcapng::{
     Block, EnhancedPacketBlock, InterfaceDescriptionBlock, OptionCode, parse_block_be, parse_block_le,
 };
 
-use super::pcapng::{INBOUND, LINK_TYPE, OUTBOUND, PACKET_FLAGS};
+use super::pcapng::{INBOUND, LINK_TYPE, MAGIC, OUTBOUND, PACKET_FLAGS};
 
 const NANOSECONDS_PER_SECOND: u128 = 1_000_000_000;
 
@@ -69,6 +69,10 @@ struct Interface {
 impl Reader<'_> {
     fn next(&mut self) -> Option<Result<Packet, ReadError>> {
         while !self.rest.is_empty() {
+            if self.is_too_short() {
+                self.rest = &[];
+                return Some(Err(ReadError::Malformed { packets: self.packets }));
+            }
             let parse = if self.big_endian { parse_block_be } else { parse_block_le };
             let block = match parse(self.rest) {
                 Ok((rest, block)) => {
@@ -101,6 +105,14 @@ impl Reader<'_> {
             }
         }
         None
+    }
+
+    /// Whether the block is shorter than its type and its two lengths. The parser subtracts them without a check.
+    fn is_too_short(&self) -> bool {
+        let length = self.rest.get(4..8).and_then(|bytes| bytes.first_chunk().copied());
+        let length = length.map(if self.big_endian { u32::from_be_bytes } else { u32::from_le_bytes });
+        // A section has its own order of bytes, and the parser checks its length.
+        !self.rest.starts_with(&MAGIC) && length.is_some_and(|length| length < 12)
     }
 
     /// `None` for a packet of another link type.
@@ -195,5 +207,12 @@ mod tests {
         let read: Vec<_> = packets(&ethernet).map(Result::unwrap).collect();
         assert_eq!(read.len(), 1);
         assert_eq!((read[0].number, &read[0].bytes[..]), (2, &[6, 0][..]));
+    }
+
+    #[test]
+    fn a_block_shorter_than_its_head_is_malformed() {
+        let block = [[1, 0, 0, 0x80], [10, 0, 0, 0], [0; 4]].concat();
+        let read: Vec<_> = packets(&[file(&[]), block].concat()).collect();
+        assert!(matches!(&read[..], [Err(ReadError::Malformed { packets: 0 })]), "{read:?}");
     }
 }

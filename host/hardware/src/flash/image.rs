@@ -1,11 +1,12 @@
 //! The image for the flash, from an ELF: the loaded bytes in one piece, and the build that the drive will report.
 
+use std::io;
 use std::num::NonZeroU32;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use lashloop_bench::device::Build;
+use lashloop_bench::regular_file;
 use lashloop_bench::run::digest::sha256;
 use object::elf;
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -89,8 +90,16 @@ impl Image {
     /// The file can't be read, or isn't an image for this chip.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let failed = |problem| ImageError { path: path.to_owned(), problem };
-        let elf = fs::read(path).map_err(|source| failed(source.into()))?;
-        Self::from_elf(path, &elf).map_err(failed)
+        let elf = regular_file::read(path).map_err(|source| failed(source.into()))?;
+        Self::from_bytes(path, &elf)
+    }
+
+    /// As [`read`](Self::read), of the bytes of a file.
+    ///
+    /// # Errors
+    /// They aren't an image for this chip.
+    pub fn from_bytes(path: &Path, elf: &[u8]) -> Result<Self, ImageError> {
+        Self::from_elf(path, elf).map_err(|problem| ImageError { path: path.to_owned(), problem })
     }
 
     fn from_elf(path: &Path, elf: &[u8]) -> Result<Self, ImageProblem> {

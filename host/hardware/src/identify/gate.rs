@@ -14,8 +14,9 @@ pub use motion::RecordedMotion;
 
 use std::f64::consts::TAU;
 use std::path::Path;
-use std::{fmt, fs, io};
+use std::{fmt, io};
 
+use lashloop_bench::regular_file;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::Scenario;
 use lashloop_identify::Instruments;
@@ -55,7 +56,7 @@ struct Interval {
 /// # Errors
 /// The file can't be read or isn't a file of `identify` or `commission`.
 pub fn intervals(path: &Path) -> io::Result<Intervals> {
-    serde_json::from_slice(&fs::read(path)?).map_err(|error| {
+    serde_json::from_slice(&regular_file::read(path)?).map_err(|error| {
         io::Error::other(format!(
             "it isn't an estimates.json of `lashloop commission` or `lashloop identify`: {error}"
         ))

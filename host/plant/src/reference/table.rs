@@ -97,7 +97,12 @@ impl Table {
     /// that of the line before.
     pub fn from_file(file: &Path, interpolation: Interpolation) -> Result<Self, TableError> {
         let error = |kind| TableError { file: file.to_owned(), line: None, kind };
-        let text = std::fs::read_to_string(file).map_err(|source| error(TableErrorKind::Read(source)))?;
+        let read = |source| error(TableErrorKind::Read(source));
+        // A pipe would keep the program waiting for a writer, and a device may have no end.
+        if !std::fs::metadata(file).map_err(read)?.is_file() {
+            return Err(read(io::Error::other("it isn't a file")));
+        }
+        let text = std::fs::read_to_string(file).map_err(read)?;
         Self::from_text(file, &text, interpolation)
     }
 

@@ -1,11 +1,11 @@
 //! A copy of `run.mcap` that has its index, of an interrupted run too.
 
 use std::collections::HashMap;
-use std::fs;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::Path;
 
 use lashloop_bench::atomic_file::{GrowingFile, WriteError};
+use lashloop_bench::regular_file::RegularFile;
 
 use super::container::{Channel, Entry, MessageHead, Writer};
 use super::reader::up_to_the_end;
@@ -19,10 +19,10 @@ const CHUNK: usize = 1000;
 /// The samples are unusable, or the copy can't be written.
 pub fn copy_with_index(samples: &Path, path: &Path) -> Result<(), WriteError> {
     let error = |source| WriteError { path: path.to_owned(), action: "written", source };
-    let bytes = fs::read(samples).map_err(error)?;
+    let RegularFile { file, length } = RegularFile::open(samples).map_err(error)?;
     let mut new = Some(GrowingFile::create(path, ".samples-", b"")?);
     let (mut copy, mut written) = (None, Ok(()));
-    let read = up_to_the_end(&bytes, |entry| {
+    let read = up_to_the_end(BufReader::new(file), length, |entry| {
         if let Some(file) = new.take() {
             let profile = if let Entry::Header { profile } = entry { profile } else { "" };
             copy = Some(Copy::new(Writer::new(file, profile)));

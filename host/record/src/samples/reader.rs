@@ -1,10 +1,10 @@
 //! Reads `run.mcap`, also of an interrupted run.
 
 use std::collections::HashMap;
-use std::fs;
-use std::io;
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use lashloop_bench::regular_file::RegularFile;
 use lashloop_plant::Signal;
 
 use super::columns::{
@@ -56,6 +56,14 @@ pub enum SamplesError {
         /// The encoding.
         encoding: String,
     },
+    /// More samples than a file of this size can have.
+    #[error(
+        "the samples need more than {limit} bytes of memory, far more than those of a run in a file of this size"
+    )]
+    Memory {
+        /// The limit.
+        limit: usize,
+    },
     /// A message that is shorter than its schema.
     #[error("a message of topic {topic} is shorter than its schema")]
     Message {
@@ -70,18 +78,33 @@ impl Samples {
     /// # Errors
     /// The file can't be read, or another program has written it.
     pub fn read(path: &Path) -> Result<Self, SamplesError> {
-        let bytes = fs::read(path)?;
+        let RegularFile { file, length } = RegularFile::open(path)?;
+        Self::of(BufReader::new(file), length)
+    }
+
+    /// As [`read`](Self::read), of the bytes of a file.
+    ///
+    /// # Errors
+    /// Another program has written them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SamplesError> {
+        Self::of(Cursor::new(bytes), bytes.len() as u64)
+    }
+
+    fn of(file: impl Read + Seek, length: u64) -> Result<Self, SamplesError> {
+        let mut memory = Memory::of(length);
         let (mut steps, mut drive) = (Messages::of(STEP_TOPIC), Messages::of(DRIVE_TOPIC));
         let (mut faults, mut logs) = (Vec::new(), Vec::new());
         let (mut schemas, mut topics) = (HashMap::new(), HashMap::new());
-        let is_torn = up_to_the_end(&bytes, |entry| {
+        let is_torn = up_to_the_end(file, length, |entry| {
             match entry {
                 Entry::Schema { id, schema } => {
+                    memory.take(schema.data.len())?;
                     schemas.insert(id, schema.data.to_owned());
                 }
                 // From the channels, not from the messages: a run may be cut before the first telemetry.
                 Entry::Channel { id, channel } => {
                     let schema = schemas.get(&channel.schema);
+                    memory.take(channel.topic.len())?;
                     for messages in [&mut steps, &mut drive] {
                         messages.begin(id, &channel, schema)?;
                     }
@@ -89,7 +112,15 @@ impl Samples {
                 }
                 Entry::Message { head, data } => {
                     let at = steps.times.step_at(head.log_time);
-                    match topics.get(&head.channel).map(|(topic, packing)| (&**topic, *packing)) {
+                    let topic = topics.get(&head.channel).map(|(topic, packing)| (&**topic, *packing));
+                    // What is kept of a message: numbers, or a text.
+                    memory.take(match topic {
+                        Some((STEP_TOPIC, _)) => steps.row_bytes(0),
+                        Some((DRIVE_TOPIC, _)) => drive.row_bytes(0),
+                        Some(_) => data.len(),
+                        None => 0,
+                    })?;
+                    match topic {
                         Some((STEP_TOPIC, _)) => steps.take(at, &head, data)?,
                         Some((DRIVE_TOPIC, _)) => drive.take(head.sequence.into(), &head, data)?,
                         Some((FAULT_TOPIC, Some(it))) => faults.extend(events::edge(at, it, data)),
@@ -101,6 +132,8 @@ impl Samples {
             }
             Ok(())
         })?;
+        // Each step has the telemetry in force too, and columns that an early version has not written.
+        memory.take(steps.numbers.len().saturating_mul(drive.row_bytes(16)))?;
         let (trace, timing) = assembled(steps, &drive);
         Ok(Self { trace, timing, faults, logs, is_torn })
     }
@@ -111,17 +144,54 @@ impl Samples {
 /// # Errors
 /// Another program has written the file, it is damaged, or `take` fails.
 pub(super) fn up_to_the_end(
-    bytes: &[u8],
+    mut file: impl Read + Seek,
+    length: u64,
     take: impl FnMut(Entry<'_>) -> Result<(), SamplesError>,
 ) -> Result<bool, SamplesError> {
     // A killed run has left no end, and perhaps a part of its last chunk, or anything on a full disk.
-    let has_end = bytes.ends_with(&MAGIC);
-    match container::read(bytes, take) {
+    let has_end = ends_with_magic(&mut file, length)?;
+    match container::read(file, length, take) {
         Ok(End::Data | End::Record) => Ok(false),
         Ok(End::Torn) if has_end => Err(ContainerError::End.into()),
         Ok(End::Torn) => Ok(true),
         Err(SamplesError::Mcap(error)) if !has_end && !matches!(error, ContainerError::Magic) => Ok(true),
         Err(error) => Err(error),
+    }
+}
+
+/// Whether the file has its end; the next byte read is its first.
+fn ends_with_magic(file: &mut (impl Read + Seek), length: u64) -> io::Result<bool> {
+    let mut end = [0; MAGIC.len()];
+    let Some(at) = length.checked_sub(MAGIC.len() as u64) else { return Ok(false) };
+    file.seek(SeekFrom::Start(at))?;
+    file.read_exact(&mut end)?;
+    file.rewind()?;
+    Ok(end == MAGIC)
+}
+
+/// What the samples of a file may take in memory. Runs keep about twice the size of their file; a file of a few megabytes
+/// can unpack to thousands of times its size.
+struct Memory {
+    left: usize,
+    limit: usize,
+}
+
+impl Memory {
+    const FLOOR: usize = 384 << 20;
+    const PER_BYTE: usize = 16;
+
+    fn of(file: u64) -> Self {
+        let file = usize::try_from(file).unwrap_or(usize::MAX);
+        let limit = file.saturating_mul(Self::PER_BYTE).saturating_add(Self::FLOOR);
+        Self { left: limit, limit }
+    }
+
+    /// Takes what is about to be kept.
+    fn take(&mut self, bytes: usize) -> Result<(), SamplesError> {
+        // And the books on it.
+        let left = bytes.checked_add(64).and_then(|bytes| self.left.checked_sub(bytes));
+        self.left = left.ok_or(SamplesError::Memory { limit: self.limit })?;
+        Ok(())
     }
 }
 
@@ -201,6 +271,11 @@ impl Messages {
         let (numbers, times_ns, times) = (Vec::new(), Vec::new(), StepTimes { start_ns: 0, period_us: 0 });
         let packing = Packing::Cdr;
         Self { topic, channel: None, fields, values, numbers, times_ns, times, packing, message }
+    }
+
+    /// Bytes of a message in memory, with this many columns more.
+    fn row_bytes(&self, more: usize) -> usize {
+        (self.fields.len() + more) * size_of::<f64>()
     }
 
     /// Takes the message of a step.

@@ -65,6 +65,9 @@ impl Encoded {
     }
 }
 
+/// Largest number of steps from the offset. A damaged record may have times of 1e300 s; the script counts up to here.
+const FARTHEST: f64 = (1_u64 << 53) as f64;
+
 fn digits(values: &[f64], offset: f64, scale: f64, order: u8) -> String {
     let mut text = String::with_capacity(values.len() * 2);
     let (mut last, mut slope) = (0_i64, 0_i64);
@@ -77,7 +80,7 @@ fn digits(values: &[f64], offset: f64, scale: f64, order: u8) -> String {
             before = None;
             continue;
         }
-        let number = ((value - offset) / scale).round() as i64;
+        let number = ((value - offset) / scale).round().clamp(-FARTHEST, FARTHEST) as i64;
         let first = number - last;
         let difference = if order == 1 { first } else { first - slope };
         (last, slope) = (number, first);

@@ -156,7 +156,19 @@ const ALLOWED: [(&str, &[&str]); 33] = [
     ("silicon-probe", &[]),
     (
         "lashloop-fuzz",
-        &["lashloop-protocol", "lashloop-firmware", "lashloop-link", "lashloop-session", "lashloop-bench"],
+        &[
+            "lashloop-protocol",
+            "lashloop-firmware",
+            "lashloop-link",
+            "lashloop-session",
+            "lashloop-bench",
+            // The readers of files.
+            "lashloop",
+            "lashloop-campaign",
+            "lashloop-decode",
+            "lashloop-hardware",
+            "lashloop-record",
+        ],
     ),
     ("benchmark-codec", &["lashloop-protocol"]),
     ("benchmark-plant", &["lashloop-plant", "lashloop-firmware", "lashloop-bench", "lashloop-campaign"]),

@@ -56,10 +56,18 @@ pub enum ContainerError {
     },
     /// A chunk can't be uncompressed.
     #[error("a chunk is damaged: {0}")]
-    Lz4(#[from] io::Error),
+    Lz4(io::Error),
     /// A chunk holds more or less than it says.
     #[error("a chunk is damaged: its length is wrong")]
     Length,
+    /// A chunk or another record is larger than any that lashloop writes.
+    #[error("a chunk or record claims {bytes} bytes; the limit is {limit}")]
+    Large {
+        /// Its size, as it says.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
     /// The file has an end, and a record before it that reaches beyond.
     #[error("it is damaged: a record reaches beyond the end of the file")]
     End,

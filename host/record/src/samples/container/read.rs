@@ -1,11 +1,12 @@
 //! Reads the records of a file, those of its chunks included.
 
-use std::io::Read as _;
+use std::borrow::Cow;
+use std::io::{self, Read};
 
 use lz4_flex::frame::FrameDecoder;
 
 use super::{
-    Attachment, CRC32, Channel, ContainerError, LZ4, MAGIC, MessageHead, Schema, opcode, split_record,
+    Attachment, CRC32, Channel, ContainerError, HEAD, LZ4, MAGIC, MessageHead, Schema, opcode, split_record,
 };
 
 /// A record of a file, chunks resolved.
@@ -31,24 +32,48 @@ pub(in crate::samples) enum End {
 /// Bytes of the record that ends the data: their checksum.
 const CHECKSUM_LEN: usize = 4;
 
-/// Passes the entries of the data of a file to `take`, up to the first error of either.
+/// Largest record, and largest content of a chunk, in bytes. The record of a run that writes a million steps at once has
+/// chunks of this size; a damaged length, or a chunk that unpacks to more than anyone writes, must not fill the memory.
+const LARGEST: u64 = 448 << 20;
+
+/// Passes the entries of the data of a file of `length` bytes to `take`, up to the first error of either.
 ///
 /// # Errors
-/// The file is not MCAP or is damaged, or `take` fails.
-pub(in crate::samples) fn read<E: From<ContainerError>>(
-    file: &[u8],
+/// The file can't be read, is not MCAP or is damaged, or `take` fails.
+pub(in crate::samples) fn read<E: From<ContainerError> + From<io::Error>>(
+    mut file: impl Read,
+    length: u64,
     mut take: impl FnMut(Entry<'_>) -> Result<(), E>,
 ) -> Result<End, E> {
-    let mut rest = file.strip_prefix(&MAGIC).ok_or(ContainerError::Magic)?;
-    while let Some((opcode, content, behind)) = split_record(rest) {
+    let (mut magic, mut content) = (Vec::new(), Vec::new());
+    file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut magic)?;
+    if magic != MAGIC {
+        return Err(ContainerError::Magic.into());
+    }
+    let mut rest = length.saturating_sub(MAGIC.len() as u64);
+    while let Some(behind) = rest.checked_sub(HEAD as u64) {
+        let mut head = [0; HEAD];
+        file.read_exact(&mut head)?;
+        let [opcode, length @ ..] = head;
+        let length = u64::from_le_bytes(length);
+        let Some(behind) = behind.checked_sub(length) else { return Ok(End::Torn) };
+        // What a power failure leaves of a page, before its content: it may be long.
+        if opcode == opcode::NONE {
+            return Ok(End::Torn);
+        }
+        if length > LARGEST {
+            return Err(ContainerError::Large { bytes: length, limit: LARGEST }.into());
+        }
+        content.clear();
+        if file.by_ref().take(length).read_to_end(&mut content)? as u64 != length {
+            return Ok(End::Torn);
+        }
         rest = behind;
         match opcode {
-            // What a power failure leaves of a page.
-            opcode::NONE => return Ok(End::Torn),
             opcode::DATA_END if content.len() == CHECKSUM_LEN => return Ok(End::Data),
             opcode::DATA_END => return Ok(End::Torn),
             opcode::CHUNK => {
-                let chunk = chunk(content)?;
+                let chunk = chunk(&content)?;
                 let mut inside = &chunk[..];
                 while let Some((opcode, content, behind)) = split_record(inside) {
                     inside = behind;
@@ -58,10 +83,10 @@ pub(in crate::samples) fn read<E: From<ContainerError>>(
                     return Err(ContainerError::Length.into());
                 }
             }
-            opcode => pass(opcode, content, &mut take)?,
+            opcode => pass(opcode, &content, &mut take)?,
         }
     }
-    Ok(if rest.is_empty() { End::Record } else { End::Torn })
+    Ok(if rest == 0 { End::Record } else { End::Torn })
 }
 
 fn pass<E: From<ContainerError>>(
@@ -117,7 +142,7 @@ fn entry(opcode: u8, mut content: &[u8]) -> Option<Option<Entry<'_>>> {
 }
 
 /// The records of a chunk.
-fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
+fn chunk(mut content: &[u8]) -> Result<Cow<'_, [u8]>, ContainerError> {
     fn fields<'a>(content: &mut &'a [u8]) -> Option<(u64, u32, &'a str, &'a [u8])> {
         let _times = (take_u64(content)?, take_u64(content)?);
         let (length, crc) = (take_u64(content)?, take_u32(content)?);
@@ -127,12 +152,15 @@ fn chunk(mut content: &[u8]) -> Result<Vec<u8>, ContainerError> {
     }
     let (length, crc, compression, stored) =
         fields(&mut content).ok_or(ContainerError::Short { opcode: opcode::CHUNK })?;
+    if length > LARGEST {
+        return Err(ContainerError::Large { bytes: length, limit: LARGEST });
+    }
     let records = match compression {
-        "" => stored.to_vec(),
+        "" => Cow::Borrowed(stored),
         LZ4 => {
             let mut records = Vec::new();
-            FrameDecoder::new(stored).take(length).read_to_end(&mut records)?;
-            records
+            FrameDecoder::new(stored).take(length).read_to_end(&mut records).map_err(ContainerError::Lz4)?;
+            Cow::Owned(records)
         }
         _ => return Err(ContainerError::Compression { name: compression.to_owned() }),
     };
