@@ -45,7 +45,6 @@ impl fmt::Debug for Error {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::Bench;
 
     #[test]

@@ -51,8 +51,8 @@ enum Chore {
     },
     /// Build virtual silicon, the program behind `--device silicon`, into target/virtual-silicon
     Silicon,
-    /// Build the program as one static file and pack it as archive, wheel, Debian package and crates into target/dist; install
-    /// and run each
+    /// Build the program as one static file and pack it as archive, wheel, Debian package and crates into target/dist; check
+    /// each
     Dist(dist::Dist),
     /// Write the documentation as a site with a search, and the pages of rustdoc, to target/site
     Site,

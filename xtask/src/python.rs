@@ -2,7 +2,7 @@
 //! their checks.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
@@ -19,7 +19,7 @@ const OLDEST: (u32, u32) = (3, 10);
 /// # Errors
 /// What could not be installed, and what to do.
 pub(crate) fn set_up() -> Result<()> {
-    make_environment()?;
+    make_environment(&environment())?;
     run(&mut Project::Package.tool(
         "pip install --quiet --disable-pip-version-check --no-compile --retries 2 --timeout 30 --editable .[test,browser]",
     ))
@@ -75,11 +75,14 @@ impl Project {
         let target = paths::root().join("target");
         run(cargo("programs --quiet --target-dir").arg(&target))?;
         // A copy: builds of the chores that run at the same time replace the program.
-        let program = environment().join("program/lashloop");
-        fs::create_dir_all(environment().join("program"))?;
-        fs::copy(target.join("debug/lashloop"), &program).context("the program can't be copied")?;
+        let folder = environment().join("program");
+        fs::create_dir_all(&folder)?;
+        for file in PROGRAMS {
+            fs::copy(target.join("debug").join(file), folder.join(file))
+                .with_context(|| format!("{file} can't be copied"))?;
+        }
         let mut tests = self.tool("pytest");
-        tests.env("LASHLOOP_BIN", program);
+        tests.env("LASHLOOP_BIN", folder.join(PROGRAMS[0]));
         let counts = Counts::of_output(tests, Counts::of_pytest, |line| println!("{line}"))?;
         ensure!(counts != Counts::default(), "pytest ran no test");
         Ok(counts)
@@ -106,6 +109,9 @@ fn manifest() -> Result<String> {
         .map(|path| fs::read_to_string(path).with_context(|| format!("{} can't be read", path.display())));
     texts.collect()
 }
+
+/// The program, what it starts, and what it puts into FMUs.
+const PROGRAMS: [&str; 3] = ["lashloop", "lashloop-fmu", "liblashloop_fmu.so"];
 
 /// The packages of the readers of MCAP in JavaScript.
 const READERS: [&str; 2] = ["package.json", "package-lock.json"];
@@ -136,9 +142,13 @@ fn find_with(modules: &str) -> Option<&'static str> {
         .find(|python| first_line(command(python, "-c").arg(&program)).is_some_and(|line| line == "True"))
 }
 
-fn make_environment() -> Result<()> {
+/// Makes an empty virtual environment with pip, in place of what is in the folder.
+///
+/// # Errors
+/// No Python here can.
+pub(crate) fn make_environment(folder: &Path) -> Result<()> {
     if let Some(python) = find() {
-        return run(command(python, "-m venv --clear").arg(environment()));
+        return run(command(python, "-m venv --clear").arg(folder));
     }
     // A Python without ensurepip can still create an environment, which its own pip fills.
     let (major, minor) = OLDEST;
@@ -148,7 +158,7 @@ fn make_environment() -> Result<()> {
              `ensurepip` (python3 and python3-venv on Debian) and call again"
         )
     })?;
-    run(command(python, "-m venv --clear --without-pip").arg(environment()))?;
-    run(command(python, "-m pip --python").arg(interpreter()).args(["install", "--quiet", "pip"]))
-        .context("pip could not be installed into target/python")
+    run(command(python, "-m venv --clear --without-pip").arg(folder))?;
+    run(command(python, "-m pip --python").arg(folder.join("bin/python")).args(["install", "--quiet", "pip"]))
+        .with_context(|| format!("pip could not be installed into {}", folder.display()))
 }

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use regex_lite::Regex;
 
 use crate::command::{cargo, command, output, run};
@@ -16,6 +16,8 @@ use crate::{paths, python};
 /// Where MkDocs reads pages and files, as `mkdocs.yml` says.
 const SOURCE: &str = "target/site-source";
 const SITE: &str = "target/site";
+/// The first page of rustdoc.
+const API: &str = "lashloop/index.html";
 
 /// Writes the site. A link without a target, an anchor that isn't there and a page that no menu names are errors.
 pub(crate) fn make() -> Result<()> {
@@ -28,7 +30,11 @@ pub(crate) fn make() -> Result<()> {
 /// Adds the pages of rustdoc, as `api` of the site.
 pub(crate) fn add_api() -> Result<()> {
     run(cargo("doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))?;
-    run(command("cp", "-r").arg(paths::root().join("target/doc")).arg(paths::root().join(SITE).join("api")))
+    let api = paths::root().join(SITE).join("api");
+    run(command("cp", "-r").arg(paths::root().join("target/doc")).arg(&api))?;
+    ensure!(api.join(API).is_file(), "rustdoc wrote no {API}");
+    fs::write(api.join("index.html"), format!("<meta http-equiv=\"refresh\" content=\"0; url={API}\">\n"))?;
+    Ok(())
 }
 
 /// Copies every tracked page, and what pages link to. A folder without a page of its own becomes a list of its files.

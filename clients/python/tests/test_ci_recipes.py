@@ -81,7 +81,7 @@ def test_the_steps_of_the_action_run_as_they_are(tmp_path: Path) -> None:
     inputs = {name: value.get("default") for name, value in action["inputs"].items()}
     inputs["url"], inputs["sha256"] = pack_program(tmp_path)
     inputs["device"] = "inproc"
-    inputs["scenarios"] = "scenarios scenarios/commission.toml"
+    inputs["scenarios"] = "scenarios\nscenarios/commission.toml scenarios\n"
     project = make_project(tmp_path)
 
     def filled(text: str) -> str:

@@ -193,7 +193,7 @@ def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str,
             before = memory_kib()
     growth_kib = memory_kib() - before
     threads = len(list(Path("/proc/self/task").iterdir()))
-    assert growth_kib < 1024, f"{growth_kib} KiB in 248 runs"
+    assert growth_kib < 256, f"{growth_kib} KiB in 248 runs"
     assert threads < 20, "threads that instances have left"
 
 

@@ -38,7 +38,8 @@
 #define TIMER_HZ 48000000u      /* twice APB1, because APB1 is divided */
 #define BAUD 921600u            /* what the bench takes without --baud */
 
-enum { RXNE = 1 << 5, TXE = 1 << 7 };                        /* of SR, and as interrupts of CR1 */
+enum { OVERRUN = 1 << 3 };                                      /* of SR */
+enum { RXNE = 1 << 5, TXE = 1 << 7 };                           /* of SR, and as interrupts of CR1 */
 enum { RECEIVE = 1 << 2, TRANSMIT = 1 << 3, ENABLE = 1 << 13 }; /* of CR1 */
 
 /* 96 MHz from the 8 MHz that the ST-Link feeds into the crystal's input. The timer of the clock must not drift from the
@@ -48,7 +49,7 @@ static void start_clocks(void)
     RCC_CR |= 1u << 16 | 1u << 18; /* external, bypassed */
     while (!(RCC_CR & 1u << 17))
         ;
-    RCC_PLLCFGR = 8u | 192u << 6 | 0u << 16 | 1u << 22 | 4u << 24; /* 8 MHz / 8 * 192 / 2 */
+    RCC_PLLCFGR = 8u | 192u << 6 | 0u << 16 | 1u << 22 | 4u << 24 | 2u << 28; /* 8 MHz / 8 * 192 / 2; R unused, 2 at least */
     RCC_CR |= 1u << 24;
     while (!(RCC_CR & 1u << 25))
         ;
@@ -79,7 +80,8 @@ static void start_line(void)
     NVIC_ISER1 = 1u << (38 - 32);
 }
 
-/* Bytes between the interrupt and the main loop: one side writes `head`, the other `tail`. */
+/* Bytes between the interrupt and the main loop: one side writes `head`, the other `tail`, each after its access to the bytes. */
+#define ORDERED() __asm__ volatile("" ::: "memory")
 #define RING_LEN 1024u /* a power of two; in Idle a drive takes 17 requests or 320 bytes in one write */
 
 struct ring {
@@ -94,6 +96,7 @@ static int push(struct ring *ring, uint8_t byte)
     if (ring->head - ring->tail == RING_LEN)
         return 0;
     ring->bytes[ring->head % RING_LEN] = byte;
+    ORDERED();
     ring->head = ring->head + 1;
     return 1;
 }
@@ -103,6 +106,7 @@ static int pop(struct ring *ring, uint8_t *byte)
     if (ring->head == ring->tail)
         return 0;
     *byte = ring->bytes[ring->tail % RING_LEN];
+    ORDERED();
     ring->tail = ring->tail + 1;
     return 1;
 }
@@ -110,9 +114,13 @@ static int pop(struct ring *ring, uint8_t *byte)
 void usart2_interrupt(void)
 {
     uint8_t byte;
-    if (USART2_SR & RXNE)
-        (void)push(&received, (uint8_t)USART2_DR); /* a byte too many damages a frame, which its CRC shows */
-    if (USART2_CR1 & TXE && USART2_SR & TXE) {
+    uint32_t status = USART2_SR;
+    if (status & (RXNE | OVERRUN)) { /* either interrupts until this read */
+        byte = (uint8_t)USART2_DR;
+        if (status & RXNE)
+            (void)push(&received, byte); /* a byte that is lost damages a frame, which its CRC shows */
+    }
+    if (USART2_CR1 & TXE && status & TXE) {
         if (pop(&to_send, &byte))
             USART2_DR = byte;
         else
@@ -147,6 +155,11 @@ static void set_torque(float torque_nm)
     (void)torque_nm; /* here goes the power stage; 0 means off */
 }
 
+void power_stage_off(void)
+{
+    set_torque(0);
+}
+
 int main(void)
 {
     static const struct board BOARD = { now_ns, send_frame, set_torque };
@@ -157,8 +170,8 @@ int main(void)
     start_line();
     drive_init(&drive, &BOARD);
     for (;;) {
-        while (pop(&received, &byte))
+        if (pop(&received, &byte))
             drive_receive(&drive, byte);
-        drive_tick(&drive);
+        drive_tick(&drive); /* after each byte: a host that never pauses must not keep the watchdog waiting */
     }
 }

@@ -6,6 +6,7 @@ extern uint32_t data_start[], data_end[], data_stored[], zero_start[], zero_end[
 
 int main(void);
 void usart2_interrupt(void);
+void power_stage_off(void);
 
 /* Coprocessor access, ARMv7-M manual, section B3.2.20. */
 #define CPACR (*(volatile uint32_t *)0xE000ED88)
@@ -23,9 +24,10 @@ void reset(void)
     main();
 }
 
-/* Any fault and any interrupt that nobody asked for: stop, so that the watchdog of the power stage or of the bench acts. */
+/* Any fault, and any interrupt that nobody asked for. */
 static void halt(void)
 {
+    power_stage_off();
     for (;;)
         ;
 }

@@ -18,6 +18,17 @@ use crate::source::{PART, SCENARIO, Source, TABLE};
 /// The library that every FMU has.
 const LIBRARY: &str = "liblashloop_fmu.so";
 
+/// What the library of this version contains, and no other file.
+pub const MARKER: &str = concat!("lashloop-fmu-library ", env!("CARGO_PKG_VERSION"), ";");
+/// The licences of what an FMU passes on.
+const LICENCES: &str = concat!(
+    "This FMU contains a library of Lashloop, under the MIT or the Apache-2.0 licence as you choose. Crates in the library have\n",
+    "licences of their own: THIRD-PARTY.txt in the packages of Lashloop has them.\n\n",
+    include_str!("../LICENSE-MIT"),
+    "\n",
+    include_str!("../LICENSE-APACHE")
+);
+
 /// Where a package of a distribution has the library, from the folder of the program.
 const INSTALLED: &str = "../lib/lashloop";
 
@@ -54,6 +65,10 @@ pub fn export(
     let description = described.xml().map_err(unwritten)?;
     let binary =
         fs::read(library).map_err(|source| ExportError::File { path: library.to_owned(), source })?;
+    let has_marker = binary.windows(MARKER.len()).any(|bytes| bytes == MARKER.as_bytes());
+    if !has_marker {
+        return Err(ExportError::StrangeLibrary { path: library.to_owned(), marker: MARKER });
+    }
     let binary_name = format!("binaries/{platform}/{}.so", part.identifier());
     let in_resources = |name: &str| format!("resources/{name}");
     let kind = source.kind();
@@ -62,6 +77,7 @@ pub fn export(
         (binary_name, &*binary),
         (in_resources(SCENARIO), source.text.as_bytes()),
         (in_resources(PART), kind.as_bytes()),
+        ("documentation/licenses/license.txt".to_owned(), LICENCES.as_bytes()),
     ];
     files.extend(source.table.as_deref().map(|table| (in_resources(TABLE), table)));
     pack(&files).map_err(unwritten)

@@ -80,7 +80,9 @@ impl Drive {
                 Role::Output,
                 "sent_reference_rad",
                 "rad",
-                &format!("{meaning}, as the drive has received it"),
+                &format!(
+                    "{meaning}, as the drive has received it; that of the scenario before the first step"
+                ),
             ),
         ];
         let of_drive = signals
@@ -134,6 +136,7 @@ impl Drive {
         // The telemetry of a sample follows its torque, as does the report of a fault.
         self.read_pending()?;
         if answer.status.state != State::Running {
+            self.torque_nm = 0.0;
             let reason = match &self.device.session.line.fault {
                 Some(fault) => fault_text(fault),
                 None => format!("its state is {}", answer.status.state),

@@ -44,8 +44,8 @@ pub enum ExportError {
     },
     /// The library isn't there.
     #[error(
-        "there is no {library} next to {}: it comes with the archive of a release, and `cargo programs` builds it; --library names \
-         another place",
+        "there is no {library} next to {} or in ../lib/lashloop from there: it comes with archive, wheel and Debian package, and \
+         `cargo programs` builds it; --library names another place",
         program.display()
     )]
     NoLibrary {
@@ -53,6 +53,14 @@ pub enum ExportError {
         library: &'static str,
         /// This program.
         program: PathBuf,
+    },
+    /// The library is another file, or that of another version.
+    #[error("{} isn't the library of this version: it lacks the text \"{marker}\"; take the one of this program's package", path.display())]
+    StrangeLibrary {
+        /// The file.
+        path: PathBuf,
+        /// What the library contains.
+        marker: &'static str,
     },
     /// A file can't be read or written.
     #[error("{}: {source}", path.display())]
@@ -107,6 +115,28 @@ pub enum ExportError {
         /// The fault with its numbers, or that there was no answer.
         reason: String,
     },
+    /// A pointer of the importer is NULL.
+    #[error("{0} is NULL")]
+    Null(&'static str),
+    /// The importer has another number of values than of variables.
+    #[error("{values} values for {references} value references: every variable has one value")]
+    Count {
+        /// Variables.
+        references: usize,
+        /// Values.
+        values: usize,
+    },
+    /// The place for the bytes of a state is too short.
+    #[error("the state has {needed} bytes, and there is room for {given}: ask for the size first")]
+    ShortBuffer {
+        /// Bytes of the state.
+        needed: usize,
+        /// Bytes of the place.
+        given: usize,
+    },
+    /// The FMU has states that can't be saved.
+    #[error("the state of this FMU can't be saved: its description says so")]
+    Unsaved,
     /// A state is another FMU's, or of other parameters.
     #[error("the state isn't one of this FMU: {0}")]
     State(&'static str),

@@ -142,18 +142,24 @@ impl Instance {
         self.expect(&[Phase::Stepping], "a step")?;
         let Some((_, scenario)) = &self.scenario else { return Ok(()) };
         let period_ns = 1000 * u64::from(scenario.run.control_period_us);
-        let from_ns = snapped(time_s - self.start_s, period_ns);
-        let until_ns = snapped(time_s + step_s - self.start_s, period_ns);
         let wrong = |rule| Err(ExportError::Step { step_s, time_s, rule });
-        if from_ns.abs_diff(self.at_ns) as f64 > SLACK * period_ns as f64 {
-            return wrong(format!("the FMU is at {} s", self.start_s + seconds(self.at_ns)));
-        }
+        // The FMU counts its own steps: an importer that adds up its steps drifts, and its times are rounded.
+        let at_s = self.start_s + seconds(self.at_ns);
+        let rounding_s = 4.0 * f64::EPSILON * time_s.abs();
+        let until_ns = snapped(seconds(self.at_ns) + step_s, period_ns, rounding_s);
         if until_ns <= self.at_ns || !step_s.is_finite() {
             return wrong("a step must be above 0".to_owned());
         }
+        if (time_s - at_s).abs() > 0.5 * step_s || !time_s.is_finite() {
+            return wrong(format!("the FMU is at {at_s} s"));
+        }
         let inputs = &self.values[self.interface.inputs.clone()];
-        if let Some(side) = &mut self.side {
-            side.advance(inputs, until_ns)?;
+        if let Some(side) = &mut self.side
+            && let Err(error) = side.advance(inputs, until_ns)
+        {
+            // A drive that ends has switched its torque off.
+            self.refresh();
+            return Err(error);
         }
         self.at_ns = until_ns;
         self.refresh();
@@ -181,10 +187,9 @@ impl Instance {
     /// # Errors
     /// The FMU's states can't be saved, as its description says.
     pub fn save(&self) -> Result<Snapshot, ExportError> {
-        const UNSAVED: ExportError = ExportError::State("this FMU can't save its state");
-        let plant = self.side.as_ref().map(|side| side.save().ok_or(UNSAVED)).transpose()?;
+        let plant = self.side.as_ref().map(|side| side.save().ok_or(ExportError::Unsaved)).transpose()?;
         if !self.interface.can_be_saved {
-            return Err(UNSAVED);
+            return Err(ExportError::Unsaved);
         }
         Ok(Snapshot {
             token: self.token.clone(),
@@ -281,10 +286,10 @@ impl Instance {
     }
 }
 
-/// A time in nanoseconds, on the end of a control period if it is next to one. A negative time is 0.
-fn snapped(time_s: f64, period_ns: u64) -> u64 {
+/// A time in nanoseconds, on the end of a control period if it is next to one or within `rounding_s` of it. A negative time is 0.
+fn snapped(time_s: f64, period_ns: u64, rounding_s: f64) -> u64 {
     let time_ns = (time_s * 1e9).round();
     let end_ns = (time_ns / period_ns as f64).round() * period_ns as f64;
-    let is_end = (time_ns - end_ns).abs() <= SLACK * period_ns as f64;
+    let is_end = (time_ns - end_ns).abs() <= (SLACK * period_ns as f64).max(rounding_s * 1e9);
     (if is_end { end_ns } else { time_ns }) as u64
 }

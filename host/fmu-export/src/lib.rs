@@ -38,7 +38,7 @@ mod source;
 mod unit;
 mod variable;
 
-pub use archive::{export, library};
+pub use archive::{MARKER, export, library};
 pub use description::Version;
 pub use error::ExportError;
 pub use instance::Instance;

@@ -57,7 +57,10 @@ impl Part {
         }
         let model = scenario.plant.model.name();
         if self == Self::Plant && process_plant::is_process(model) {
-            return unfit(format!("plant.model = {model:?}"), "it runs in a process of its own");
+            return unfit(
+                format!("plant.model = {model:?}"),
+                "it runs in a process of its own; an FMU that is the plant is one already, and any other model has to be exported by its own tool",
+            );
         }
         let strikes_drive = |kind: &FaultKind| {
             matches!(kind, FaultKind::Frame { .. } | FaultKind::Link(_) | FaultKind::Device(_))

@@ -15,6 +15,9 @@ use crate::variable::{Role, Value, Variable};
 /// Sections whose keys are parameters. The model decides which keys and signals there are, so it isn't one.
 const SECTIONS: [&str; 4] = ["plant", "encoders", "line", "run.seed"];
 const FIXED: [&str; 1] = ["plant.model"];
+/// Those that an FMU of steps of any length has not: with them the torque would reach the motor after a delay.
+const FIXED_AT_ANY_STEP: [&str; 5] =
+    ["plant.model", "plant.torque_delay_us", "line.delay_us", "line.jitter_us", "line.loss"];
 
 /// A plant in motion.
 pub(crate) struct PlantSide {
@@ -60,8 +63,9 @@ impl PlantSide {
             counts("load_counts", "Reading of the load encoder, in 24 bits"),
         ];
         outputs.extend(simulator.signals().iter().map(|signal| output(&signal.name, &signal.unit, "")));
-        let interface = Interface::new(vec![torque], outputs, source.parameters(&SECTIONS, &FIXED));
         let (takes_any_step, can_be_saved) = (simulator.acts_at_once(), simulator.save().is_some());
+        let fixed: &[&str] = if takes_any_step { &FIXED_AT_ANY_STEP } else { &FIXED };
+        let interface = Interface::new(vec![torque], outputs, source.parameters(&SECTIONS, fixed));
         Ok(Interface { takes_any_step, can_be_saved, ..interface })
     }
 

@@ -161,6 +161,7 @@ pub(crate) unsafe fn get<T: OfC>(
     unsafe {
         let (references, values) = (array(references, count), array_mut(values, count));
         call(component, |it| {
+            complete(&[references.len(), values.len()], count)?;
             for (reference, value) in references.iter().zip(values) {
                 if let Some(read) = T::of_value(it.instance.get(*reference, T::KIND)?) {
                     *value = read;
@@ -169,6 +170,15 @@ pub(crate) unsafe fn get<T: OfC>(
             Ok(())
         })
     }
+}
+
+/// Refuses a call of FMI 3 with another number of values than of variables.
+///
+/// # Safety
+/// As [`call`].
+pub(crate) unsafe fn miscounted(component: Pointer, references: usize, values: usize) -> Status {
+    // SAFETY: as the caller promises.
+    unsafe { call(component, |_| Err(ExportError::Count { references, values })) }
 }
 
 /// Sets variables.
@@ -185,6 +195,7 @@ pub(crate) unsafe fn set<T: OfC>(
     unsafe {
         let (references, values) = (array(references, count), array(values, count));
         call(component, |it| {
+            complete(&[references.len(), values.len()], count)?;
             references
                 .iter()
                 .zip(values)
@@ -207,6 +218,7 @@ pub(crate) unsafe fn get_texts(
     unsafe {
         let (references, values) = (array(references, count), array_mut(values, count));
         call(component, |it| {
+            complete(&[references.len(), values.len()], count)?;
             it.given.clear();
             for (reference, value) in references.iter().zip(values) {
                 let Value::Text(text) = it.instance.get(*reference, Kind::Text)? else { continue };
@@ -233,6 +245,7 @@ pub(crate) unsafe fn set_texts(
     unsafe {
         let (references, values) = (array(references, count), array(values, count));
         call(component, |it| {
+            complete(&[references.len(), values.len()], count)?;
             references.iter().zip(values).try_for_each(|(reference, text)| {
                 it.instance.set(*reference, Value::Text(texts::of_c(*text)))
             })
@@ -246,16 +259,7 @@ pub(crate) unsafe fn set_texts(
 /// As [`call`]; `state` points to NULL or to a state of this function.
 pub(crate) unsafe fn save(component: Pointer, state: *mut Pointer) -> Status {
     // SAFETY: as the caller promises.
-    unsafe {
-        call(component, |it| {
-            let saved = it.instance.save()?;
-            match (*state).cast::<Snapshot>().as_mut() {
-                Some(old) => *old = saved,
-                None => *state = Box::into_raw(Box::new(saved)).cast(),
-            }
-            Ok(())
-        })
-    }
+    unsafe { call(component, |it| keep(it.instance.save()?, state)) }
 }
 
 /// Puts the instance into a state.
@@ -290,8 +294,8 @@ pub(crate) unsafe fn serialized_size(component: Pointer, state: Pointer, size: *
     // SAFETY: as the caller promises.
     unsafe {
         call(component, |_| {
-            *size = of_pointer(state)?.to_bytes()?.len();
-            Ok(())
+            let len = of_pointer(state)?.to_bytes()?.len();
+            size.as_mut().map(|size| *size = len).ok_or(ExportError::Null("the size"))
         })
     }
 }
@@ -306,7 +310,9 @@ pub(crate) unsafe fn serialize(component: Pointer, state: Pointer, bytes: *mut u
         call(component, |_| {
             let written = of_pointer(state)?.to_bytes()?;
             let place = array_mut(bytes, size);
-            let place = place.get_mut(..written.len()).ok_or(ExportError::State("it needs more bytes"))?;
+            let place = place
+                .get_mut(..written.len())
+                .ok_or(ExportError::ShortBuffer { needed: written.len(), given: size })?;
             place.copy_from_slice(&written);
             Ok(())
         })
@@ -324,16 +330,28 @@ pub(crate) unsafe fn deserialize(
     state: *mut Pointer,
 ) -> Status {
     // SAFETY: as the caller promises.
+    unsafe { call(component, |_| keep(Snapshot::from_bytes(array(bytes, size))?, state)) }
+}
+
+/// Keeps a state at `place`, instead of one that is there.
+///
+/// # Safety
+/// As [`save`].
+unsafe fn keep(state: Snapshot, place: *mut Pointer) -> Result<(), ExportError> {
+    // SAFETY: as the caller promises.
     unsafe {
-        call(component, |_| {
-            let read = Snapshot::from_bytes(array(bytes, size))?;
-            match (*state).cast::<Snapshot>().as_mut() {
-                Some(old) => *old = read,
-                None => *state = Box::into_raw(Box::new(read)).cast(),
-            }
-            Ok(())
-        })
+        let place = place.as_mut().ok_or(ExportError::Null("the place of a state"))?;
+        match place.cast::<Snapshot>().as_mut() {
+            Some(old) => *old = state,
+            None => *place = Box::into_raw(Box::new(state)).cast(),
+        }
     }
+    Ok(())
+}
+
+/// Whether every array of a call has as many values as the call says. Those behind NULL have none.
+fn complete(lengths: &[usize], count: usize) -> Result<(), ExportError> {
+    if lengths.iter().all(|len| *len == count) { Ok(()) } else { Err(ExportError::Null("an array")) }
 }
 
 /// # Safety

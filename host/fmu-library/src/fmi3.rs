@@ -153,7 +153,13 @@ macro_rules! access {
             value_count: usize,
         ) -> Status {
             // SAFETY: the contract of the standard.
-            unsafe { component::$read(component, references, count.min(value_count), values) }
+            unsafe {
+                if count == value_count {
+                    component::$read(component, references, count, values)
+                } else {
+                    component::miscounted(component, count, value_count)
+                }
+            }
         }
 
         /// Sets variables.
@@ -166,7 +172,13 @@ macro_rules! access {
             value_count: usize,
         ) -> Status {
             // SAFETY: the contract of the standard.
-            unsafe { component::$write(component, references, count.min(value_count), values) }
+            unsafe {
+                if count == value_count {
+                    component::$write(component, references, count, values)
+                } else {
+                    component::miscounted(component, count, value_count)
+                }
+            }
         }
     };
 }

@@ -20,3 +20,13 @@ mod component;
 mod fmi2;
 mod fmi3;
 mod texts;
+
+/// By this text an export tells the library of its version from other files.
+#[used]
+static MARKER: [u8; lashloop_fmu_export::MARKER.len()] = marker();
+
+const fn marker() -> [u8; lashloop_fmu_export::MARKER.len()] {
+    let mut bytes = [0; lashloop_fmu_export::MARKER.len()];
+    bytes.copy_from_slice(lashloop_fmu_export::MARKER.as_bytes());
+    bytes
+}

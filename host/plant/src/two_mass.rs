@@ -6,7 +6,7 @@ use crate::{Environment, Numbers, Plant, PlantError, Positions, Release, SavedSt
 /// Two masses, a spring and a gap: constant parameters in the implementor, coordinates and modes in the state.
 pub trait TwoMass {
     /// Coordinates and modes.
-    type State: Clone + SavedState;
+    type State: Clone;
 
     /// State of a plant that is released at `start`.
     fn initial_state(&self, start: Start) -> Self::State;
@@ -80,7 +80,7 @@ impl<P: TwoMass> RunningPlant<P> {
     }
 }
 
-impl<P: TwoMass<State: Send> + Send> Plant for RunningPlant<P> {
+impl<P: TwoMass<State: SavedState + Send> + Send> Plant for RunningPlant<P> {
     fn signals(&self) -> &[Signal] {
         &SIGNALS
     }

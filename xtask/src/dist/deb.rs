@@ -1,8 +1,8 @@
 //! The Debian package. dpkg-deb makes it of a folder, and is on every Debian.
 
 use std::env::consts::ARCH;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 use anyhow::{Context, Result, bail, ensure};
 
@@ -113,6 +113,9 @@ fn check(package: &Path, root: &Path) -> Result<()> {
     let dpkg = || {
         let mut dpkg = command("dpkg", "--force-not-root --force-depends --log=/dev/null");
         dpkg.arg(format!("--root={}", root.display()));
+        // dpkg asks for programs of the superuser, which others don't have in PATH.
+        let path = env::var("PATH").unwrap_or_default();
+        dpkg.env("PATH", format!("{path}:/usr/sbin:/sbin"));
         dpkg
     };
     run(dpkg().arg("--install").arg(package)).context("the package can't be installed")?;
@@ -122,7 +125,12 @@ fn check(package: &Path, root: &Path) -> Result<()> {
     run(command(root.join("usr/bin").join(NAME), "fmu export scenarios/smooth-after.toml --of plant --out")
         .arg(&fmu))?;
     fs::remove_file(&fmu)?;
-    ensure!(root.join(RULE.1).is_file(), "the rule of udev isn't installed");
+    let completions = COMPLETIONS.map(|(_, place)| place);
+    for file in
+        completions.into_iter().chain([RULE.1, "usr/bin/lashloop-fmu", "usr/share/man/man1/lashloop.1.gz"])
+    {
+        ensure!(root.join(file).is_file(), "{file} isn't installed");
+    }
     run(dpkg().args(["--remove", NAME])).context("the package can't be removed")?;
     let left: Vec<_> = fs::read_dir(root)?.map(|entry| Ok(entry?.file_name())).collect::<Result<_>>()?;
     ensure!(left == ["var"], "a removal leaves {left:?}");
