@@ -7,6 +7,7 @@ import math
 import re
 import struct
 import subprocess
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -178,8 +179,8 @@ def memory_kib() -> int:
 def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str, fmi: str) -> None:
     file = export(SHAFT, part, fmi, tmp_path)
     folder = extract(str(file))
-    before = 0
-    for run in range(250):
+    memory = []
+    for run in range(251):
         # Each instance makes two runs, and its library is loaded and unloaded.
         with Fmu(file, unpacked=folder) as fmu:
             for again in (False, True):
@@ -189,11 +190,12 @@ def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str,
                     fmu.initialize()
                 for step in range(20):
                     fmu.fmu.doStep(step * fmu.period_s, fmu.period_s)
-        if run == 125:
-            before = memory_kib()
-    growth_kib = memory_kib() - before
+        if run % 50 == 0:
+            memory.append(memory_kib())
+    # The allocator takes memory now and then; a leak takes it in every block of runs.
+    growth_kib = [after - before for before, after in pairwise(memory)]
+    assert min(growth_kib) < 50, f"{growth_kib} KiB, each in 100 runs"
     threads = len(list(Path("/proc/self/task").iterdir()))
-    assert growth_kib < 256, f"{growth_kib} KiB in 248 runs"
     assert threads < 20, "threads that instances have left"
 
 
@@ -227,7 +229,7 @@ def test_what_an_fmu_refuses_is_named(tmp_path: Path, capfd: pytest.CaptureFixtu
         assert "every step must be 0.001 s" in text
         fmu.fmu.doStep(0.0, 1e-3)
         assert "the FMU is at 0.001 s" in refused(fmu, "doStep", 0.0, 1e-3)
-        assert "this FMU can't save its state" in refused(fmu, "getFMUState")
+        assert "the state of this FMU can't be saved" in refused(fmu, "getFMUState")
         reference = fmu.variables["torque_nm"].valueReference
         assert "(torque_nm) can't be set" in refused(fmu, "setReal", [reference], [1.0])
         assert "(torque_nm) is of type Real, not Integer" in refused(fmu, "getInteger", [reference])
