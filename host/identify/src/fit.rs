@@ -16,6 +16,9 @@ const TRIES: usize = 8;
 /// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
 const CONVERGED: f64 = 1e-4;
 const SETTLED: f64 = 1e-2;
+/// The same of a coarse fit, and of two iterations in a row: where the motor sticks, a fit can creep for long and gain nothing.
+const CONVERGED_COARSE: f64 = 3e-3;
+const CREEPS: f64 = 1e-3;
 /// Steps of the differences that follow where the usual ones gain no more and the residuals aren't those of the counts, in
 /// usual ones: where the motor is about to stick or to leave a dent, the least difference shows another motion.
 const OTHER_STEPS: [f64; 3] = [-1.0, 10.0, -10.0];
@@ -38,6 +41,8 @@ pub(crate) struct Fit {
 
 /// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
 const FOLLOWS_COUNTS: f64 = 1.0;
+/// The same of one that is near: from another start it would end there again.
+const NEAR_COUNTS: f64 = 5.0;
 /// Standard deviations of the errors of the torque that it may have on top.
 const EXPLAINED: f64 = 2.0;
 
@@ -80,6 +85,11 @@ impl Fit {
         pairs.all(|(counts, explained)| {
             counts < (EXACT * QUANTISATION).hypot(EXPLAINED * explained).hypot(EXACT * noise)
         })
+    }
+
+    /// Whether the model follows, or nearly so.
+    pub(crate) fn is_near(&self, noise_counts: f64) -> bool {
+        self.is_followed(noise_counts) || self.residual_counts.iter().all(|it| *it < NEAR_COUNTS)
     }
 
     pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {
@@ -162,7 +172,8 @@ impl Problem<'_> {
         let mut damping = 1e-3;
         let mut last = None;
         let mut others = OTHER_STEPS.into_iter();
-        let mut wider = 1.0;
+        let (mut wider, mut before) = (1.0, f64::INFINITY);
+        let converged = if self.substeps == Substeps::Coarse { CONVERGED_COARSE } else { CONVERGED };
         for _ in 0..iterations {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
@@ -184,9 +195,11 @@ impl Problem<'_> {
             }
             // The normal equations barely change over such a step, and they are most of the work.
             last = (gained < SETTLED && wider == 1.0).then_some(normal);
-            if gained >= CONVERGED {
+            if gained >= converged && gained.max(before) >= CREEPS {
+                before = gained;
                 continue;
             }
+            before = f64::INFINITY;
             let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
             let Some(other) = others.next().filter(|_| self.doubt(residual_counts, [0.0; 2]) > 1.0) else {
                 break;

@@ -22,8 +22,10 @@ const HALF_S: f64 = 0.012;
 const GAPS: i32 = 24;
 const TWISTS: i32 = 48;
 /// Logarithm of the widest gap of the grid over the narrowest; the widest is this fraction of what the motor moves.
-const GAP_RANGE: f64 = 4.0;
+const GAP_RANGE: f64 = 5.5;
 const WIDEST: f64 = 0.95;
+/// Largest offset of the torque in the grid, as a fraction of the largest torque of all motions.
+const OFFSET_MAX: f64 = 0.3;
 /// Every so many samples make a row of the grid, and of the ranking of the cogging.
 const SPARSE: usize = 4;
 const RANKED: usize = 2;
@@ -44,6 +46,7 @@ const HALF_GAP_MIN_RAD: f64 = 1e-3;
 
 /// Linear unknowns: J, f, F, o, tau, K and c.
 const LINEAR: usize = 7;
+const OFFSET: usize = 3;
 const STIFFNESS: usize = 5;
 const DAMPING: usize = 6;
 
@@ -76,7 +79,8 @@ pub(crate) fn free_body(motions: &[Motion], ratio: f64) -> Option<FreeBody> {
         rows as f64 / it.motion.samples() as f64
     };
     let first = (0..motions.len()).max_by(|&a, &b| share(&smooth[a]).total_cmp(&share(&smooth[b])))?;
-    let mut body = FreeBody::by_grid(&smooth[first], ratio)?;
+    let peak_nm = motions.iter().flat_map(|it| &it.torque_nm).fold(0.0_f64, |peak, it| peak.max(it.abs()));
+    let mut body = FreeBody::by_grid(&smooth[first], ratio, peak_nm)?;
     let twist_rad = body.twists_rad[0];
     let twist = |(index, it)| if index == first { twist_rad } else { body.twist(it) };
     body.twists_rad = smooth.iter().enumerate().map(twist).collect();
@@ -106,7 +110,7 @@ fn row(smooth: &Smooth, at: usize, wound_rad: f64, rate_rad_s: f64) -> [f64; LIN
 
 impl FreeBody {
     /// The best gap and twist of one motion while its load is still.
-    fn by_grid(smooth: &Smooth, ratio: f64) -> Option<Self> {
+    fn by_grid(smooth: &Smooth, ratio: f64, peak_nm: f64) -> Option<Self> {
         let [low, high] = range(smooth);
         let mut best: Option<(f64, Self)> = None;
         for gap in 0..GAPS {
@@ -124,7 +128,10 @@ impl FreeBody {
                     sums.add(&row(smooth, at, wound, rate), smooth.torque[at][0], 1.0);
                 }
                 let Some((solution, left)) = sums.solve() else { continue };
-                let is_machine = solution[0] > 0.0 && solution[STIFFNESS] > 0.0;
+                // A flank far off and a large offset balance as well as those that are.
+                let is_machine = solution[0] > 0.0
+                    && solution[STIFFNESS] > 0.0
+                    && solution[OFFSET].abs() < OFFSET_MAX * peak_nm;
                 let is_better = best.as_ref().is_none_or(|(least, _)| left < *least);
                 if is_machine && is_better && sums.rows() >= ROWS_MIN {
                     let body = Self {
