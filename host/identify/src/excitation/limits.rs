@@ -73,8 +73,11 @@ impl fmt::Display for Noisy {
     }
 }
 
-/// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(crate) const REST_S: f64 = 0.05;
+/// Time at the start of a motion, without torque or under that which holds the drive train, in which it has to be at rest, in s: long
+/// enough for a load that creeps to show it.
+pub(crate) const REST_S: f64 = 0.3;
+/// Part of that time which doesn't count: until the torque that holds the drive train arrives, an offset moves the motor.
+const ARRIVES: f64 = 0.2;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -136,11 +139,12 @@ impl Rest {
 
     fn judge(&self) -> Option<Halt> {
         let is_noisy = self.noise_counts > 0.0;
-        if !self.counts.iter().all(|counts| is_still(counts, is_noisy)) {
+        let counts = self.counts.each_ref().map(|counts| &counts[(ARRIVES * counts.len() as f64) as usize..]);
+        if !counts.iter().all(|counts| is_still(counts, is_noisy)) {
             return Some(Halt::NotAtRest);
         }
         let explained = EDGE_COUNTS.hypot(UNSTATED * self.noise_counts / 3.0_f64.sqrt());
-        ["motor", "load"].into_iter().zip(&self.counts).find_map(|(encoder, counts)| {
+        ["motor", "load"].into_iter().zip(counts).find_map(|(encoder, counts)| {
             let jitter = jitter_of_edges(counts);
             let (shown_counts, stated_counts) = (jitter * 3.0_f64.sqrt(), self.noise_counts);
             (jitter > explained).then_some(Halt::Noisy(Noisy { encoder, shown_counts, stated_counts }))
