@@ -41,8 +41,6 @@ pub(crate) struct Fit {
 
 /// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
 const FOLLOWS_COUNTS: f64 = 1.0;
-/// The same of one that is near: from another start it would end there again.
-const NEAR_COUNTS: f64 = 5.0;
 /// Standard deviations of the errors of the torque that it may have on top.
 const EXPLAINED: f64 = 2.0;
 
@@ -85,11 +83,6 @@ impl Fit {
         pairs.all(|(counts, explained)| {
             counts < (EXACT * QUANTISATION).hypot(EXPLAINED * explained).hypot(EXACT * noise)
         })
-    }
-
-    /// Whether the model follows, or nearly so.
-    pub(crate) fn is_near(&self, noise_counts: f64) -> bool {
-        self.is_followed(noise_counts) || self.residual_counts.iter().all(|it| *it < NEAR_COUNTS)
     }
 
     pub(crate) fn is_followed(&self, noise_counts: f64) -> bool {

@@ -118,7 +118,7 @@ impl FreeBody {
     fn by_grid(smooth: &Smooth, ratio: f64, offset_max: f64) -> Option<Self> {
         let [low, high] = range(smooth);
         // The motion begins at rest under its first torque.
-        let held_nm = smooth.motion.torque_nm[0];
+        let held_nm = smooth.motion.held_nm;
         let peak_nm = smooth.motion.torque_nm.iter().fold(0.0_f64, |peak, it| peak.max((it - held_nm).abs()));
         let mut best: Option<(f64, Self)> = None;
         for gap in 0..GAPS {

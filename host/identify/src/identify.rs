@@ -93,7 +93,7 @@ pub fn identify(
     let mut fit: Option<Fit> = None;
     for begin in staged::starts(&motions, &fallback) {
         fit = nearer(fit, polished(&motions, begin, &prior, noise_counts));
-        if fit.as_ref().is_some_and(|it| it.is_near(noise_counts)) {
+        if fit.as_ref().is_some_and(|it| it.is_followed(noise_counts)) {
             break;
         }
     }
@@ -113,7 +113,7 @@ fn polished(motions: &[Motion], begin: Begin, prior: &Prior, noise_counts: f64) 
     let start = begin.point.vector;
     let mut best = fitted(motions, &begin, &start, prior, noise_counts)?;
     for _ in 0..RESTARTS {
-        if best.is_near(noise_counts) {
+        if best.is_followed(noise_counts) {
             break;
         }
         let mut point = best.point.clone();

@@ -49,6 +49,8 @@ pub(crate) struct Motion {
     /// the number of its kind.
     pub(crate) altered: Vec<Altered>,
     pub(crate) torque_nm: Vec<f64>,
+    /// Torque that holds the drive train at the start.
+    pub(crate) held_nm: f64,
     /// Counts of motor and load since the first sample.
     pub(crate) counts: [Vec<f64>; 2],
     /// Whether a sample of an encoder counts.
@@ -106,6 +108,7 @@ impl Motion {
             held: held(series, instruments.torque_delay_us, |torque_nm| torque_nm),
             altered: altered(series, instruments),
             torque_nm: series.torque_nm().to_vec(),
+            held_nm: series.held_nm(),
             smooth_counts: smoothed(&counts[0]),
             counts,
             is_used,
