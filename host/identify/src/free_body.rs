@@ -22,7 +22,7 @@ const HALF_S: f64 = 0.012;
 const GAPS: i32 = 24;
 const TWISTS: i32 = 48;
 /// Logarithm of the widest gap of the grid over the narrowest; the widest is this fraction of what the motor moves.
-const GAP_RANGE: f64 = 5.5;
+const GAP_RANGE: f64 = 4.0;
 const WIDEST: f64 = 0.95;
 /// Largest offset of the torque in the grid, as a fraction of the motion's largest torque; a larger one would take most of the
 /// friction in one direction.
