@@ -227,13 +227,10 @@ fn dented(fine: &Problem, point: &Point) -> Option<Fit> {
     let mut fit = fine.fit(point.clone(), ITERATIONS)?;
     for _ in 0..DENTS {
         let Some(other) = fine.other_rests(&fit.point).and_then(|it| fine.fit(it, ITERATIONS)) else { break };
-        let is_same = other.squares() >= (1.0 - SAME) * fit.squares();
-        if other.squares() < fit.squares() {
-            fit = other;
-        }
-        if is_same {
+        if other.squares() >= fit.squares() {
             break;
         }
+        fit = other;
     }
     Some(fit)
 }
