@@ -15,7 +15,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/decode", 1_100),
     ("host/fmu", 1_300),
     ("host/hardware", 2_800),
-    ("host/identify", 3_550),
+    ("host/identify", 3_600),
     ("host/link", 1_600),
     ("host/live", 1_500),
     ("host/plant", 4_450),
