@@ -142,7 +142,7 @@ fn find_with(modules: &str) -> Option<&'static str> {
         .find(|python| first_line(command(python, "-c").arg(&program)).is_some_and(|line| line == "True"))
 }
 
-/// Makes an empty virtual environment with pip, in place of what is in the folder.
+/// Makes an empty virtual environment with pip, instead of what is in the folder.
 ///
 /// # Errors
 /// No Python here can.
