@@ -1,4 +1,4 @@
-"""The smooth plant of the paper, as `examples/plant-process` has it, for the slaves of both exporters."""
+"""The smooth plant of the paper, as `examples/plant-process` has it, for the slaves of the exporters."""
 
 import math
 
