@@ -12,6 +12,9 @@ const LARGEST: u64 = 1 << 30;
 /// Largest file that [`read_text`] takes, in bytes: a hundred times the manifest of a drive with every parameter.
 const LARGEST_TEXT: u64 = 64 << 20;
 
+/// Largest file that [`read_toml`] takes, in bytes.
+const LARGEST_TOML: u64 = 4 << 20;
+
 /// A regular file, open to be read.
 #[derive(Debug)]
 pub struct RegularFile {
@@ -64,8 +67,20 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As [`RegularFile::open`], or the file is larger or not in UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
+    text(up_to(path, LARGEST_TEXT)?)
+}
+
+/// Reads a text of up to 4 MiB that is to be parsed as TOML, whose parser takes a hundred times as much memory.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_toml(path: &Path) -> io::Result<String> {
+    text(up_to(path, LARGEST_TOML)?)
+}
+
+fn text(bytes: Vec<u8>) -> io::Result<String> {
     let invalid = |_| Error::new(ErrorKind::InvalidData, "it isn't a text in UTF-8");
-    String::from_utf8(up_to(path, LARGEST_TEXT)?).map_err(invalid)
+    String::from_utf8(bytes).map_err(invalid)
 }
 
 fn up_to(path: &Path, limit: u64) -> io::Result<Vec<u8>> {

@@ -1,11 +1,11 @@
 //! `lashloop plot`: records and captures of runs as a figure.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use lashloop::Bench;
+use lashloop_bench::regular_file;
 use lashloop_bench::verdict::Exit;
 use lashloop_decode::series::{Series, series};
 use lashloop_record::file_names::FIGURE_FILE;
@@ -122,7 +122,8 @@ fn read(path: &Path) -> Result<Input, CliError> {
     if ending(path).as_deref() == Some("csv") {
         return Ok(Input::Table(table::read(path)?));
     }
-    let bytes = fs::read(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
+    let bytes =
+        regular_file::read(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
     let Some(Series { columns, torn }) = series(&bytes) else {
         return Err(CliError::NoSteps { path: path.to_owned() });
     };

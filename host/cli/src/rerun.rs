@@ -157,18 +157,20 @@ impl Arguments {
         match (&self.device, &manifest.rig) {
             (Some(device), _) => Ok(device.clone()),
             (None, Some(rig)) => {
-                Err(format!("the run was on the rig of {rig}: give --rig {rig}, whose limits a run keeps"))
+                let quoted = quoted(rig);
+                Err(format!("the run was on the rig of {rig}: give --rig {quoted}, whose limits a run keeps"))
             }
             // A record may come from others, and reading it is not to start what it names.
             (None, None) if manifest.device.starts_with("exec:") => Err(format!(
-                "the drive was a program, which a record does not start: give --device '{}', whose path begins in the present \
+                "the drive was a program, which a record does not start: give --device {}, whose path begins in the present \
                  folder",
-                printable(&manifest.device)
+                quoted(&manifest.device)
             )),
             (None, None) if !self.trust && !OF_THIS_PROGRAM.contains(&&*manifest.device) => Err(format!(
-                "the record names the drive at {device}, and a record may come from others: give --trust to connect to it, or \
-                 --device '{device}'",
-                device = printable(&manifest.device)
+                "the record names the drive at {}, and a record may come from others: give --trust to connect to it, or \
+                 --device {}",
+                printable(&manifest.device),
+                quoted(&manifest.device)
             )),
             (None, None) => DeviceChoice::parse(&manifest.device, &bench.devices()),
         }
@@ -187,4 +189,8 @@ fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
     let steps = files.record.summary.as_ref().map(|summary| summary.steps);
     let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
     is_part.then_some(first_s..=last_s)
+}
+/// A text of a record as one word of a shell, which a reader may copy.
+fn quoted(text: &str) -> String {
+    format!("'{}'", printable(text).replace('\'', r"'\''"))
 }

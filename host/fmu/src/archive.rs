@@ -30,7 +30,12 @@ pub(crate) struct Archive {
 impl Archive {
     pub(crate) fn open(path: &Path) -> Result<Self, FmuError> {
         let file = path.display().to_string();
-        let opened = File::open(path).map_err(|source| FmuError::File { file: file.clone(), source })?;
+        let unreadable = |source| FmuError::File { file: file.clone(), source };
+        // A pipe would make the program wait for a writer that may not exist.
+        if !fs::metadata(path).map_err(unreadable)?.is_file() {
+            return Err(unreadable(io::Error::other("it isn't a file")));
+        }
+        let opened = File::open(path).map_err(unreadable)?;
         let zip = ZipArchive::new(opened)
             .map_err(|error| FmuError::Archive { file: file.clone(), reason: error.to_string() })?;
         Ok(Self { zip, file })

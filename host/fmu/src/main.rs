@@ -38,6 +38,7 @@ use clap::{Parser, Subcommand};
 use archive::Archive;
 use description::Description;
 use error::FmuError;
+use show::plain;
 
 /// FMUs of FMI 2.0 and 3.0 as plants of the Lashloop bench
 ///
@@ -75,7 +76,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lashloop-fmu: {error}");
+            eprintln!("lashloop-fmu: {}", error.lines().map(plain).collect::<Vec<_>>().join("\n"));
             ExitCode::from(2)
         }
     }

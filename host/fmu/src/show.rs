@@ -122,12 +122,22 @@ fn float(start: Option<&str>) -> String {
 
 /// A text of TOML, whose escapes are those of JSON and that of DEL.
 fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
+    let json = serde_json::Value::from(text).to_string();
+    let escape = |c: char| {
+        if steers(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
+    };
+    json.chars().map(escape).collect()
+}
+
+/// Whether a terminal acts on a character instead of showing it: control characters, marks of the direction of the text.
+fn steers(c: char) -> bool {
+    let is_of_direction = |it| matches!(it, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || is_of_direction(c)
 }
 
 /// A text of the FMU on one line: it can't steer the terminal.
-fn plain(text: &str) -> String {
-    let escape = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+pub(crate) fn plain(text: &str) -> String {
+    let escape = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
     text.chars().map(escape).collect()
 }
 

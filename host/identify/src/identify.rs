@@ -213,7 +213,8 @@ fn finished<'a>(problem: impl Fn(Substeps) -> Problem<'a>, point: &Point, noise_
         return Some(fit);
     }
     let finest = problem(Substeps::Finest);
-    let is_same = (finest.squares(&fit.point)? / fit.squares() - 1.0).abs() < SAME;
+    let is_same =
+        finest.squares(&fit.point).is_none_or(|squares| (squares / fit.squares() - 1.0).abs() < SAME);
     let finest = if is_same { None } else { dented(&finest, &fit.point) };
     if finest.as_ref().is_some_and(|it| it.is_followed(noise_counts)) {
         return finest;

@@ -68,7 +68,7 @@ impl Instruments {
 const HELD_S: f64 = 0.2;
 const HELD_COUNTS: i64 = 6;
 
-/// One motion that begins at rest, without torque on the motor.
+/// One motion that begins at rest: without torque on the motor, or under the torque that holds the drive train.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     period_us: u32,

@@ -230,7 +230,7 @@ impl RecordFolder {
     /// scenario names it.
     fn owns(&self, file: &str) -> bool {
         let names_table = || {
-            let text = regular_file::read_text(&self.path.join(SCENARIO_FILE)).ok()?;
+            let text = regular_file::read_toml(&self.path.join(SCENARIO_FILE)).ok()?;
             let document: DocumentMut = text.parse().ok()?;
             Some(document.get("reference")?.get("file")?.as_str()? == REFERENCE_FILE)
         };

@@ -79,4 +79,27 @@ fn an_interruption_while_a_plant_starts_does_not_blame_the_plant() {
     assert!(!stderr.contains("wrote no line"), "{stderr}");
 }
 
+#[test]
+fn an_interruption_while_a_plant_computes_a_step_is_invalid() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = folder.path().join("slow.toml");
+    let answer = r#"{"lashloop_plant":1,"signals":[],"motor_position_rad":0.0,"load_position_rad":0.0}"#;
+    let program = format!("read hello; echo '{answer}'; read step; touch \"$0\"; sleep 1000");
+    let begun = folder.path().join("begun");
+    let plant = format!(
+        "[plant]\nmodel = \"process\"\ncommand = [\"sh\", \"-c\", {program:?}, {begun:?}]\nstep_timeout_ms = 600000\n\
+         [plant.initial]\nmotor_position_rad = 0.0\nload_position_rad = 0.0\n"
+    );
+    fs::write(
+        &scenario,
+        format!("title = \"slow\"\nrun = {{ duration_s = 1.0 }}\ncontroller = {{ name = \"pd\" }}\n{REFERENCE}{plant}"),
+    )
+    .expect("a scenario");
+    let bench = Running::start([Path::new("run"), &scenario, Path::new("--device"), Path::new("inproc")]);
+    wait::until("the plant computes", || begun.exists().then_some(()));
+    bench.signal(Signal::INT);
+    let ended = bench.wait().with_code(3);
+    assert!(ended.stdout.starts_with("INVALID "), "{}", ended.stdout);
+}
+
 const REFERENCE: &str = "reference = { profile = \"constant\", position_rad = 0.0 }\n";

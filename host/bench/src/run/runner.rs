@@ -227,6 +227,7 @@ fn run_to_end<'a, S: StepSink>(
     }
     let started = device.session.line.timestamp();
     let end = match close(&mut control, device) {
+        Err(RunError::Integration(PlantError::Interrupted)) => Ok(End::Interrupted),
         // A result of the run, unless the plant broke down for a reason of its own.
         Err(RunError::Integration(error)) if !matches!(error, PlantError::Failed(_)) => {
             Ok(End::Diverged(error))

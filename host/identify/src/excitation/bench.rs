@@ -78,7 +78,7 @@ pub enum CommissioningError<E> {
     },
     /// The drive train moves under every torque that was held.
     #[error(
-        "the drive train moves without torque and under each torque up to {torque_nm} N m in both directions: an offset of the torque or a \
+        "the drive train moves without torque and under each torque up to {torque_nm} N m against the motion: an offset of the torque or a \
          weight drives it; take the offset away, balance the load, or raise the torque limit"
     )]
     Drifts {

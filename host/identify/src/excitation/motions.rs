@@ -1,4 +1,5 @@
-//! The motions of a commissioning as torques over time. Every one begins and ends without torque.
+//! The motions of a commissioning as torques over time. Every one begins and ends without torque, or under the one that
+//! holds the drive train.
 
 use super::limits::REST_S;
 use crate::series::Series;

@@ -87,6 +87,8 @@ pub enum TableErrorKind {
     Empty,
 }
 
+/// Largest file in bytes: two million points.
+const LARGEST: u64 = 64 << 20;
 const COLUMNS: [&str; 2] = ["time_s", "position_rad"];
 
 impl Table {
@@ -99,8 +101,13 @@ impl Table {
         let error = |kind| TableError { file: file.to_owned(), line: None, kind };
         let read = |source| error(TableErrorKind::Read(source));
         // A pipe would keep the program waiting for a writer, and a device may have no end.
-        if !std::fs::metadata(file).map_err(read)?.is_file() {
+        let found = std::fs::metadata(file).map_err(read)?;
+        if !found.is_file() {
             return Err(read(io::Error::other("it isn't a file")));
+        }
+        if found.len() > LARGEST {
+            let text = format!("it has {} bytes; the limit is {LARGEST}", found.len());
+            return Err(read(io::Error::other(text)));
         }
         let text = std::fs::read_to_string(file).map_err(read)?;
         Self::from_text(file, &text, interpolation)

@@ -32,7 +32,7 @@ impl RecordFiles {
         let record = Record::read(folder)?;
         let path = folder.join(SCENARIO_FILE);
         let unusable = |problem| DiffError::File { path: path.clone(), problem };
-        let text = regular_file::read_text(&path).map_err(|error| unusable(error.to_string()))?;
+        let text = regular_file::read_toml(&path).map_err(|error| unusable(error.to_string()))?;
         let scenario = de::from_str(&text).map_err(|error| unusable(error.message().replace('\n', "; ")))?;
         Ok(Self { name: folder.display().to_string(), record, scenario })
     }

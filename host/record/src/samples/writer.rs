@@ -12,6 +12,9 @@ use super::packing::{MESSAGE_ENCODING, PROFILE, SCHEMA_ENCODING};
 use super::step_times::StepTimes;
 use crate::file_names::SAMPLES_FILE;
 
+/// A chunk of this many bytes is written before its steps are complete: a reader unpacks a chunk as a whole.
+const LONG_CHUNK: usize = 64 << 20;
+
 /// Writes the samples of a run.
 pub struct SampleWriter {
     file: Writer,
@@ -55,7 +58,8 @@ impl SampleWriter {
     pub fn push(&mut self, step: &Step) -> Result<(), WriteError> {
         let Self { file, encoder, channels, .. } = self;
         encoder.step(step, |place, message| write(file, channels, place, message));
-        if self.encoder.steps().is_multiple_of(self.flush_rows) { self.file.flush() } else { Ok(()) }
+        let is_due = self.encoder.steps().is_multiple_of(self.flush_rows) || self.file.begun() > LONG_CHUNK;
+        if is_due { self.file.flush() } else { Ok(()) }
     }
 
     /// Appends an event of a step. It gets to the file as a step does.

@@ -133,6 +133,11 @@ impl Writer {
         number
     }
 
+    /// Bytes of the chunk begun.
+    pub(in crate::samples) fn begun(&self) -> usize {
+        self.chunk.len()
+    }
+
     /// Adds a message of a channel to the chunk.
     pub(in crate::samples) fn message(&mut self, head: &MessageHead, data: &[u8]) {
         let MessageHead { channel, sequence, log_time, publish_time } = *head;
