@@ -115,6 +115,8 @@ pub(super) struct Bench<'a, T> {
     pub(super) held_nm: f64,
     /// Number of torques that were held in search of it.
     pub(super) held: u32,
+    /// Counts by which the motor moved at the end of the latest of them.
+    pub(super) drift_counts: f64,
 }
 
 /// How far a torque has turned the motor against a load at rest.

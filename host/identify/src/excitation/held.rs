@@ -63,12 +63,13 @@ impl<T: DriveTrain> Bench<'_, T> {
         Ok(Drift::new([series.motor_counts(), series.load_counts()], edge_counts))
     }
 
-    /// Whether the drive train rests under a torque, or comes to rest. Otherwise by how many counts more the motor moves in the
-    /// second half of the time than in the first: what it had of speed before is in both.
+    /// Whether the drive train rests under a torque, or comes to rest. Otherwise by how many counts more the motor moves than at the
+    /// end of the torque before: a heavy load goes on gaining speed under the better of two torques too.
     fn drifts(&mut self, torque_nm: f64) -> Result<Option<f64>, CommissioningError<T::Error>> {
         let mut drift = self.held(torque_nm)?;
         for _ in 0..HELD_AGAIN {
             if drift.is_still() {
+                self.drift_counts = 0.0;
                 return Ok(None);
             }
             if !drift.slows() {
@@ -76,8 +77,8 @@ impl<T: DriveTrain> Bench<'_, T> {
             }
             drift = self.held(torque_nm)?;
         }
-        let [first, second] = drift.moved[0];
-        Ok(Some(second - first))
+        let before = std::mem::replace(&mut self.drift_counts, drift.moved[0][1]);
+        Ok(Some(self.drift_counts - before))
     }
 
     pub(super) fn rests(&mut self) -> Result<bool, CommissioningError<T::Error>> {

@@ -49,8 +49,18 @@ pub fn commission<T: DriveTrain>(
     let period_s = f64::from(period_us) / 1e6;
     let ratio = start.mechanics.ratio;
     let (origin, wound) = (None, None);
-    let mut bench =
-        Bench { drive_train, instruments, limits, period_s, ratio, origin, wound, held_nm: 0.0, held: 0 };
+    let mut bench = Bench {
+        drive_train,
+        instruments,
+        limits,
+        period_s,
+        ratio,
+        origin,
+        wound,
+        held_nm: 0.0,
+        held: 0,
+        drift_counts: 0.0,
+    };
     if !bench.rests()? {
         bench.hold()?;
     }
