@@ -38,6 +38,20 @@ fn a_drive_train_that_its_offset_moves_is_held_and_estimated() {
     assert_eq!(shown.map(|it| it.map(lashloop_identify::Direction::sign)), plant.signs.map(Some));
 }
 
+/// Such a load gains speed under the better of two torques too.
+#[test]
+fn a_load_without_friction_of_its_own_is_held_at_either_sign_of_the_offset() {
+    for offset_nm in [OFFSET_NM, -OFFSET_NM] {
+        let mut plant = plant(0.1);
+        plant.mechanics.load_friction_nm_s_rad /= 20.0;
+        plant.errors.offset_nm = offset_nm;
+        let instruments = plant.instruments();
+        let found = commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
+        let held_nm = found.expect("estimates").held_nm;
+        assert!((held_nm + offset_nm).abs() < 0.1, "held at {held_nm} N m");
+    }
+}
+
 #[test]
 fn a_drive_train_that_rests_is_not_held() {
     let mut plant = plant(1.0);
