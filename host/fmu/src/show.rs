@@ -166,7 +166,7 @@ mod tests {
         let text = section(Path::new("a\"b.fmu"), &Description::parse(&two).expect("a description"));
         for want in [
             "file = \"a\\\"b.fmu\"",
-            "signals = [\"tw\\nist\u{85}\", \"steps\"]",
+            "signals = [\"tw\\nist\\u0085\", \"steps\"]",
             "# \"dead_zone\" = 0.16  # rad\\nx = 1",
             "# \"substeps\" = 0.0",
             "# \"is_wet\" = true",

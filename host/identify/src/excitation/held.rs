@@ -64,7 +64,7 @@ impl<T: DriveTrain> Bench<'_, T> {
     }
 
     /// Whether the drive train rests under a torque, or comes to rest. Otherwise by how many counts more the motor moves than at the
-    /// end of the torque before: a heavy load goes on gaining speed under the better of two torques too.
+    /// end of the torque before: a heavy load gains speed under the better of two torques too.
     fn drifts(&mut self, torque_nm: f64) -> Result<Option<f64>, CommissioningError<T::Error>> {
         let mut drift = self.held(torque_nm)?;
         for _ in 0..HELD_AGAIN {

@@ -13,7 +13,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/cli", 6_500),
     ("host/conformance", 8_350),
     ("host/decode", 1_100),
-    ("host/fmu", 1_300),
+    ("host/fmu", 1_350),
     ("host/fmu-export", 1_400),
     ("host/fmu-library", 750),
     ("host/hardware", 2_800),
