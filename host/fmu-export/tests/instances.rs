@@ -19,7 +19,7 @@ impl Unpacked {
     fn new(scenario: &Scenario, part: Part, version: Version) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let library = folder.path().join("library.so");
-        fs::write(&library, "a library").expect("a file");
+        fs::write(&library, lashloop_fmu_export::MARKER).expect("a file");
         let bytes = export(scenario, part, version, &library).expect("an FMU");
         ZipArchive::new(std::io::Cursor::new(bytes))
             .and_then(|mut it| it.extract(folder.path()))
@@ -148,4 +148,14 @@ fn resources_of_another_description_are_refused() {
     let of_three =
         Unpacked::new(&scenario("smooth-after.toml", &["run.seed=1"]), Part::Plant, Version::Three);
     assert_ne!(one.token(), of_three.token(), "an importer that unpacks each token once needs two");
+}
+
+#[test]
+fn a_library_of_another_version_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let library = folder.path().join("library.so");
+    fs::write(&library, "lashloop-fmu-library 0.0.9;").expect("a file");
+    let scenario = scenario("smooth-after.toml", &[]);
+    let error = export(&scenario, Part::Plant, Version::Two, &library).expect_err("another version");
+    assert!(error.to_string().contains("isn't the library of this version"), "{error}");
 }

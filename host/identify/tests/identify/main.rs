@@ -2,7 +2,6 @@
 
 mod coverage;
 mod electrical;
-mod held;
 mod hidden_plants;
 mod limits;
 mod observability;
