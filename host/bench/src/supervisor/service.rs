@@ -1,5 +1,6 @@
 //! The thread that starts children and receives signals.
 
+use std::fs::File;
 use std::io::{PipeReader, PipeWriter, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -55,12 +56,17 @@ pub fn is_interrupted() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
+/// More files than a runtime with signals opens.
+const FILES_OF_SIGNALS: usize = 8;
+
 /// Ends the process at SIGINT and SIGTERM with the exit code of INVALID, whenever no [`Supervisor`] handles them. For the
 /// start of a program: until then a signal would end it without a word.
 ///
 /// # Errors
 /// The system refused a thread, a runtime or the signal handlers.
 pub fn end_at_signals() -> io::Result<()> {
+    // tokio panics where it can't open its own files for signals.
+    (0..FILES_OF_SIGNALS).map(|_| File::open("/dev/null")).collect::<io::Result<Vec<_>>>()?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     receive_signals(&runtime, || {
         REQUESTED.store(true, Ordering::Relaxed);
