@@ -110,7 +110,7 @@ fn a_soak_that_hangs_leaves_a_record_and_a_forced_one_removes_it() {
     assert!(ended.stdout.contains("run-0"), "{}", ended.stdout);
     fs::remove_file(lab.join("hang")).expect("the mark");
     let record = format!("{out}/run-0");
-    let again = program::run(["rerun", &record]).with_code(0);
+    let again = program::run(["rerun", &record, "--trust"]).with_code(0);
     assert!(again.stdout.contains("a part of its run, from 0.2"), "{}", again.stdout);
     assert!(again.stdout.ends_with("EQUAL bit for bit\n"), "{}", again.stdout);
     let _ = program::run(soak.iter().chain(&short)).with_code(2);
