@@ -174,12 +174,17 @@ def memory_kib() -> int:
     return int(found[1])
 
 
+def thread_count() -> int:
+    return len(list(Path("/proc/self/task").iterdir()))
+
+
 @pytest.mark.parametrize("fmi", ["2", "3"])
 @pytest.mark.parametrize("part", ["plant", "drive"])
 def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str, fmi: str) -> None:
     file = export(SHAFT, part, fmi, tmp_path)
     folder = extract(str(file))
     memory = []
+    threads = thread_count()
     for run in range(251):
         # Each instance makes two runs, and its library is loaded and unloaded.
         with Fmu(file, unpacked=folder) as fmu:
@@ -195,8 +200,7 @@ def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str,
     # The allocator takes memory now and then; a leak takes it in every block of runs.
     growth_kib = [after - before for before, after in pairwise(memory)]
     assert min(growth_kib) < 50, f"{growth_kib} KiB, each in 100 runs"
-    threads = len(list(Path("/proc/self/task").iterdir()))
-    assert threads < 20, "threads that instances have left"
+    assert thread_count() <= threads + 10, "threads that instances have left"
 
 
 def test_a_plant_takes_any_step_and_a_start_time(tmp_path: Path) -> None:
