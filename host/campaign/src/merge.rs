@@ -1,7 +1,7 @@
 //! Shards to one table, in the order of cases, with the memory of one line per shard.
 
 use std::fs::{self, File};
-use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use lashloop_bench::atomic_file::{remove_if_present, write_whole};
@@ -15,7 +15,7 @@ use crate::error::{CampaignError, io_error};
 use crate::facts::{CAMPAIGN, Facts};
 use crate::row::{case_of, count_fields};
 use crate::shard::Shard;
-use crate::shard_file::{complete_path, facts_path, growing_path, shards_in};
+use crate::shard_file::{LONGEST_LINE, complete_path, facts_path, growing_path, shards_in};
 
 /// The merged table.
 pub const RESULTS: &str = "results.csv";
@@ -212,7 +212,7 @@ impl Lines {
     fn next(&mut self) -> Result<&[u8], CampaignError> {
         self.text.clear();
         self.line += 1;
-        let read = self.table.read_until(b'\n', &mut self.text);
+        let read = self.table.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.text);
         let count = read.map_err(|error| self.malformed(format!("can't be read: {error}")))?;
         if count > 0 && !self.text.ends_with(b"\n") {
             return Err(self.malformed("the line has no end".to_owned()));

@@ -19,8 +19,8 @@ use crate::results_file::ResultsFile;
 use crate::row::{case_of, count_fields};
 use crate::shard::Shard;
 
-/// Bytes of a header at most: a key and its label are of a file of 1 MiB.
-const LONGEST_HEADER: u64 = 1 << 20;
+/// Bytes of a line at most: keys and labels of a header are of a file of 1 MiB, and a row is shorter.
+pub(crate) const LONGEST_LINE: u64 = 1 << 20;
 
 /// The table of a shard, locked for this process.
 #[derive(Debug)]
@@ -164,7 +164,7 @@ impl ShardFile {
 /// Whether a table has a whole line.
 fn has_line(mut file: &File) -> io::Result<bool> {
     let mut first = Vec::new();
-    BufReader::new((&mut file).take(LONGEST_HEADER)).read_until(b'\n', &mut first)?;
+    BufReader::new((&mut file).take(LONGEST_LINE)).read_until(b'\n', &mut first)?;
     file.rewind()?;
     Ok(first.ends_with(b"\n"))
 }
@@ -176,7 +176,7 @@ fn whole_lines(file: &File, header: &[u8], shard: Shard) -> io::Result<Whole> {
     let (mut line, mut whole) = (Vec::new(), Whole::default());
     loop {
         line.clear();
-        match lines.read_until(b'\n', &mut line) {
+        match lines.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
             Err(error) if error.kind() == ErrorKind::Interrupted => continue,
             result => result?,
         };

@@ -33,7 +33,7 @@ impl Arguments {
         let mut command = command_line(&name);
         if let Some(shell) = self.shell {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut offered(&command), &name, &mut script);
+            clap_complete::generate(shell, &mut offered(&command, shell), &name, &mut script);
             outln!("{}", String::from_utf8_lossy(&script).trim_end());
         }
         if let Some(folder) = self.man {
@@ -47,16 +47,20 @@ impl Arguments {
     }
 }
 
-/// Beginnings of the names of devices; a shell completes the path of a terminal by itself.
+/// Beginnings of the names of devices. Beside them bash completes the path of a terminal; other shells would offer nothing else.
 const DEVICES: [&str; 7] = ["native", "inproc", "qemu", "silicon", "exec:", "tcp:", "rfc2217:"];
 
 /// What a shell offers: commands that are not hidden, and the kinds of devices.
-fn offered(command: &Command) -> Command {
+fn offered(command: &Command, shell: Shell) -> Command {
     let arguments = command.get_arguments().map(|argument| {
         let argument = argument.clone();
-        if argument.get_id() == DEVICE { argument.value_parser(DEVICES) } else { argument }
+        if argument.get_id() == DEVICE && shell == Shell::Bash {
+            argument.value_parser(DEVICES)
+        } else {
+            argument
+        }
     });
-    let inside = command.get_subcommands().filter(|it| !it.is_hide_set()).map(offered);
+    let inside = command.get_subcommands().filter(|it| !it.is_hide_set()).map(|it| offered(it, shell));
     let offered = Command::new(command.get_name().to_owned()).args(arguments).subcommands(inside);
     match command.get_about() {
         Some(about) => offered.about(about.clone()),
@@ -81,15 +85,18 @@ mod tests {
 
     #[test]
     fn a_shell_offers_commands_that_are_not_hidden_and_the_kinds_of_devices() {
-        let mut script = Vec::new();
-        clap_complete::generate(
-            Shell::Bash,
-            &mut offered(&command_line("lashloop")),
-            "lashloop",
-            &mut script,
-        );
-        let script = String::from_utf8(script).expect("a text");
-        assert!(!script.contains("tied") && !script.contains("ping-pong"));
-        assert!(script.contains("rerun") && script.contains("--tolerance") && script.contains("rfc2217:"));
+        let script = |shell| {
+            let mut script = Vec::new();
+            let mut command = offered(&command_line("lashloop"), shell);
+            clap_complete::generate(shell, &mut command, "lashloop", &mut script);
+            String::from_utf8(script).expect("a text")
+        };
+        let bash = script(Shell::Bash);
+        assert!(!bash.contains("tied") && !bash.contains("ping-pong"));
+        assert!(bash.contains("rerun") && bash.contains("--tolerance") && bash.contains("rfc2217:"));
+        // Without values of their own they complete paths.
+        for shell in [Shell::Zsh, Shell::Fish] {
+            assert!(script(shell).contains("rerun") && !script(shell).contains("(native inproc"));
+        }
     }
 }

@@ -28,6 +28,9 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
+/// Most bytes of a capture, which is decoded as a whole.
+const LARGEST_CAPTURE: u64 = 1 << 30;
+
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let unreadable = |source: io::Error| CliError::Input { path: self.file.clone(), source };
@@ -45,7 +48,11 @@ impl Arguments {
             is_empty: true,
         };
         let printed = if head == pcapng::MAGIC {
-            source.read_to_end(&mut head).map_err(unreadable)?;
+            source.by_ref().take(LARGEST_CAPTURE).read_to_end(&mut head).map_err(unreadable)?;
+            if head.len() as u64 > LARGEST_CAPTURE {
+                let text = "a capture may have 1 GiB; cut it, as by editcap -c";
+                return Err(unreadable(io::Error::new(io::ErrorKind::FileTooLarge, text)));
+            }
             printer.capture(&head, &self.file)?
         } else {
             printer.stream(&head, &mut source, &self.file)?

@@ -9,7 +9,7 @@ use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_plant::PlantError;
 
-/// Why there is no FMU, or why an FMU answers a call with an error.
+/// Why an export fails, or why an FMU answers a call with an error.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The scenario is wrong, or a parameter of the FMU is out of its range.

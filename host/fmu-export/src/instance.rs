@@ -125,7 +125,7 @@ impl Instance {
     /// The value of a variable. During the initialization, outputs are those of the parameters as they are.
     ///
     /// # Errors
-    /// There is no such variable of this type, or a parameter is out of its range.
+    /// The FMU has no variable of this reference and type, or a parameter is out of its range.
     pub fn get(&mut self, reference: u32, kind: Kind) -> Result<&Value, ExportError> {
         let role = self.variable(reference, kind)?.role;
         if role == Role::Output && self.phase == Phase::Initializing {

@@ -31,7 +31,7 @@ pub(crate) struct Component {
     given: Vec<CString>,
 }
 
-/// Makes an instance. NULL if there is none, with the reason in the log.
+/// Makes an instance, or returns NULL with the reason in the log.
 ///
 /// # Safety
 /// As the texts of an importer.
@@ -358,5 +358,5 @@ fn complete(lengths: &[usize], count: usize) -> Result<(), ExportError> {
 /// As [`restore`].
 unsafe fn of_pointer<'a>(state: Pointer) -> Result<&'a Snapshot, ExportError> {
     // SAFETY: as the caller promises.
-    unsafe { state.cast::<Snapshot>().as_ref() }.ok_or(ExportError::State("there is none"))
+    unsafe { state.cast::<Snapshot>().as_ref() }.ok_or(ExportError::Null("the state"))
 }

@@ -214,58 +214,12 @@ pub unsafe extern "C" fn fmi2SetString(
     unsafe { component::set_texts(component, references, count, values) }
 }
 
-/// Saves the state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(component: Pointer, state: *mut Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::save(component, state) }
-}
-
-/// Puts the instance into a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(component: Pointer, state: Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::restore(component, state) }
-}
-
-/// Frees a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(_: Pointer, state: *mut Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::free_state(state) }
-}
-
-/// The number of bytes of a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    component: Pointer,
-    state: Pointer,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::serialized_size(component, state, size) }
-}
-
-/// Writes a state as bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    component: Pointer,
-    state: Pointer,
-    bytes: *mut c_char,
-    size: usize,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::serialize(component, state, bytes.cast(), size) }
-}
-
-/// Makes a state of bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    component: Pointer,
-    bytes: *const c_char,
-    size: usize,
-    state: *mut Pointer,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::deserialize(component, bytes.cast(), size, state) }
-}
+states!(
+    c_char,
+    fmi2GetFMUstate,
+    fmi2SetFMUstate,
+    fmi2FreeFMUstate,
+    fmi2SerializedFMUstateSize,
+    fmi2SerializeFMUstate,
+    fmi2DeSerializeFMUstate
+);

@@ -37,7 +37,7 @@ pub extern "C" fn fmi3SetDebugLogging(_: Pointer, _: bool, _: usize, _: *const T
     OK
 }
 
-/// Makes an instance. Without events there is no event mode, and no step returns early.
+/// Makes an instance. It has no events, so it never enters event mode, and every step is made to its end.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: Text,
@@ -188,58 +188,12 @@ access!(fmi3GetInt32 by get, fmi3SetInt32 by set, c_int);
 access!(fmi3GetBoolean by get, fmi3SetBoolean by set, u8);
 access!(fmi3GetString by get_texts, fmi3SetString by set_texts, Text);
 
-/// Saves the state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFMUState(component: Pointer, state: *mut Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::save(component, state) }
-}
-
-/// Puts the instance into a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFMUState(component: Pointer, state: Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::restore(component, state) }
-}
-
-/// Frees a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeFMUState(_: Pointer, state: *mut Pointer) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::free_state(state) }
-}
-
-/// The number of bytes of a state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    component: Pointer,
-    state: Pointer,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::serialized_size(component, state, size) }
-}
-
-/// Writes a state as bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializeFMUState(
-    component: Pointer,
-    state: Pointer,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::serialize(component, state, bytes, size) }
-}
-
-/// Makes a state of bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3DeserializeFMUState(
-    component: Pointer,
-    bytes: *const u8,
-    size: usize,
-    state: *mut Pointer,
-) -> Status {
-    // SAFETY: the contract of the standard.
-    unsafe { component::deserialize(component, bytes, size, state) }
-}
+states!(
+    u8,
+    fmi3GetFMUState,
+    fmi3SetFMUState,
+    fmi3FreeFMUState,
+    fmi3SerializedFMUStateSize,
+    fmi3SerializeFMUState,
+    fmi3DeserializeFMUState
+);

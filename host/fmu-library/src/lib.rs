@@ -11,9 +11,13 @@
 //! | `texts` | texts and arrays of C |
 //! | `fmi2` | the functions of FMI 2.0 |
 //! | `fmi3` | the functions of FMI 3.0 that the FMU offers |
+//! | `states` | the functions for states, for both |
 //! | `absent` | those that it doesn't: each answers with an error, since importers want every name |
 
 #![allow(unsafe_code, reason = "the functions of FMI take pointers of C")]
+
+#[macro_use]
+mod states;
 
 mod absent;
 mod component;

@@ -41,7 +41,7 @@ impl Signals {
     }
 }
 
-/// Ends the process, for there is no result to be kept.
+/// Ends the process. It has no result to keep.
 fn end() -> ! {
     let called = std::env::args_os().next().unwrap_or_default();
     let name = Path::new(&called).file_name().unwrap_or("lashloop".as_ref()).display();
