@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -47,7 +47,7 @@ fn public_crates() -> Result<Vec<String>> {
 }
 
 /// Unpacks the crates into a workspace of their own and compiles them, with the dependencies of this one.
-fn check(workspace: &std::path::Path, crates: &std::path::Path, names: &[String]) -> Result<()> {
+fn check(workspace: &Path, crates: &Path, names: &[String]) -> Result<()> {
     paths::empty_folder(workspace)?;
     let (mut members, mut patches) = (String::new(), String::new());
     for name in names {

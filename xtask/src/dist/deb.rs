@@ -87,12 +87,12 @@ Recommends: udev
 Suggests: qemu-system-arm, tshark
 Section: electronics
 Priority: optional
-Description: {}
+Description: hardware-in-the-loop bench for drives with gear backlash
  The bench simulates a drive with gear backlash, closes the loop around the
  real firmware over a serial line, a pseudo-terminal or an emulator, and says
  with evidence whether the controller is good enough.
 ",
-            glibc.0, glibc.1, "hardware-in-the-loop bench for drives with gear backlash"
+            glibc.0, glibc.1
         ),
     )?;
     let package = profile.target().join(format!("{NAME}_{VERSION}_{machine}.deb"));

@@ -1,6 +1,5 @@
 //! The thread that starts children and receives signals.
 
-use std::fs::File;
 use std::io::{PipeReader, PipeWriter, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -56,8 +55,12 @@ pub fn is_interrupted() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// More files than a runtime with signals opens.
-const FILES_OF_SIGNALS: usize = 8;
+/// A runtime on the thread that drives it.
+fn runtime() -> io::Result<Runtime> {
+    // Without these the runtime would panic where it makes its own.
+    drop([UnixStream::pair()?, UnixStream::pair()?, UnixStream::pair()?]);
+    tokio::runtime::Builder::new_current_thread().enable_all().build()
+}
 
 /// Ends the process at SIGINT and SIGTERM with the exit code of INVALID, whenever no [`Supervisor`] handles them. For the
 /// start of a program: until then a signal would end it without a word.
@@ -65,9 +68,7 @@ const FILES_OF_SIGNALS: usize = 8;
 /// # Errors
 /// The system refused a thread, a runtime or the signal handlers.
 pub fn end_at_signals() -> io::Result<()> {
-    // tokio panics where it can't open its own files for signals.
-    (0..FILES_OF_SIGNALS).map(|_| File::open("/dev/null")).collect::<io::Result<Vec<_>>>()?;
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let runtime = runtime()?;
     receive_signals(&runtime, || {
         REQUESTED.store(true, Ordering::Relaxed);
         if HANDLERS.load(Ordering::Relaxed) == 0 {
@@ -164,9 +165,7 @@ impl Supervisor {
 
     fn start_thread(bench: PathBuf, handles_signals: bool) -> io::Result<Self> {
         let signals = Arc::new(Signals::default());
-        // Without these the runtime would panic where it makes its own.
-        drop([UnixStream::pair()?, UnixStream::pair()?, UnixStream::pair()?]);
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let runtime = runtime()?;
         if handles_signals {
             let shared = Arc::clone(&signals);
             receive_signals(&runtime, move || shared.arrived())?;
