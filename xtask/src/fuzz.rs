@@ -14,8 +14,8 @@ use crate::command::{cannot_start, cargo, command, first_line, name, run};
 use crate::counts::Counts;
 use crate::paths;
 
-/// A program of `fuzz/`, and the length of its longest input in bytes. Every seed fits, and little more: the time of an execution
-/// grows with the input, and a longer one reaches nothing new.
+/// A program of `fuzz/`, and the length of its longest input in bytes. Records and campaigns need their whole seed; longer seeds of the
+/// others are cut, and a test replays those of the drive whole. The time of an execution grows with the input.
 const TARGETS: [(&str, u32); 11] = [
     ("decoder", 160),
     ("frames", 192),
