@@ -157,7 +157,7 @@ impl Arguments {
         match (&self.device, &manifest.rig) {
             (Some(device), _) => Ok(device.clone()),
             (None, Some(rig)) => {
-                let quoted = quoted(rig);
+                let (rig, quoted) = (printable(rig), quoted(rig));
                 Err(format!("the run was on the rig of {rig}: give --rig {quoted}, whose limits a run keeps"))
             }
             // A record may come from others, and reading it is not to start what it names.
@@ -190,6 +190,7 @@ fn part_s(files: &RecordFiles) -> Option<RangeInclusive<f64>> {
     let is_part = first_s > 0.0 || steps.is_some_and(|steps| steps != times_s.len() as u64);
     is_part.then_some(first_s..=last_s)
 }
+
 /// A text of a record as one word of a shell, which a reader may copy.
 fn quoted(text: &str) -> String {
     format!("'{}'", printable(text).replace('\'', r"'\''"))

@@ -80,7 +80,7 @@ fn a_record_of_a_rig_is_run_again_on_the_rig_alone() {
     let short = ["--set", "run.duration_s=0.5", "--set", "expect=[]", "--out", &out];
     let _ = run(&rig, &[&PATIENCE[..], &short].concat()).with_code(0);
     let without = program::run(["rerun", &out]).with_code(2).stderr;
-    assert!(without.contains(&format!("give --rig {}, whose limits a run keeps", rig.path())), "{without}");
+    assert!(without.contains(&format!("give --rig '{}', whose limits a run keeps", rig.path())), "{without}");
     let _ = program::run(["rerun", &out, "--rig", &rig.path()]).with_code(0);
     let beyond = ["rerun", &out, "--rig", &rig.path(), "--set", "controller.parameters.torque_limit_nm=1000"];
     assert!(program::run(beyond).with_code(2).stderr.contains("exceeds the rig"));

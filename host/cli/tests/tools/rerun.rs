@@ -231,7 +231,7 @@ fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     assert!(code == Some(2) && printed.contains("no parameter brake_gain"), "{code:?}: {printed}");
     change(&record, |manifest| manifest["rig"] = json!("bench.toml"));
     let (code, printed) = rerun(&record, &[]);
-    assert!(code == Some(2) && printed.contains("give --rig bench.toml"), "{code:?}: {printed}");
+    assert!(code == Some(2) && printed.contains("give --rig 'bench.toml'"), "{code:?}: {printed}");
     for name in ["scenario.toml", "run.mcap", "record.json"] {
         fs::remove_file(record.join(name)).unwrap();
         for (code, printed) in [rerun(&record, &[]), replay(&record, &["--device", "inproc"])] {
