@@ -38,6 +38,12 @@ impl Client {
         preparation(format!("a parameter {name}"), found)
     }
 
+    /// Index of the signal that is the request of the law, if the drive has it.
+    pub(super) fn requested_torque(&self) -> Option<u8> {
+        let signals = &self.description.signals;
+        signals.iter().find(|it| it.signal.name == "requested_torque_nm").map(|it| it.index)
+    }
+
     /// Index of the law in force after a reset.
     pub(super) fn default_law(&self) -> u8 {
         match self.parameter(CONTROLLER).map(|it| it.default) {

@@ -127,8 +127,7 @@ fn of_the_sample(client: &mut Client) -> RuleResult {
 }
 
 fn requested_torque(client: &mut Client) -> RuleResult {
-    let index = client.description.signals.iter().find(|it| it.signal.name == "requested_torque_nm");
-    let Some(index) = index.map(|it| it.index) else {
+    let Some(index) = client.requested_torque() else {
         return skip("the drive has no signal requested_torque_nm");
     };
     client.idle()?;
