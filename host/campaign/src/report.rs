@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use lashloop_bench::verdict::Verdict;
+use lashloop_session::counted;
 use serde::Serialize;
 
 use crate::cell::{Cell, Missing};
@@ -239,7 +240,7 @@ impl fmt::Display for Report {
             writeln!(out, "{:<32}{:<width$}{runs:>10}{pass:>10}{fail:>10}{invalid:>10}", "", name(group))?;
         }
         if self.no_run.cases > 0 {
-            writeln!(out, "\n{} cases are INVALID without a run; the first:", self.no_run.cases)?;
+            writeln!(out, "\n{} INVALID without a run; the first:", counted(self.no_run.cases, "case"))?;
             self.no_run.first.iter().try_for_each(|(case, why)| writeln!(out, "case {case}: {why}"))?;
         }
         let [median, p95, max] = QUANTILES.map(|(name, _)| name);

@@ -15,6 +15,7 @@ use lashloop_campaign::shard_file::shards_in;
 use lashloop_campaign::table::Table;
 use lashloop_campaign::{Campaign, CampaignError};
 use lashloop_record::folder::RecordFolder;
+use lashloop_session::counted;
 
 use super::campaign_run::{Concluded, Execution, RunsOptions, begin_merge, evidence_interrupted, jobs};
 use super::campaign_selection::SelectionOptions;
@@ -239,7 +240,7 @@ fn show(campaign: &Campaign, case: Option<u64>) -> Result<Exit, CliError> {
         return Ok(Exit::Pass);
     }
     let file = &campaign.file;
-    outln!("{}: {} cases, seed {}", file.title, campaign.plan.cases(), file.seed);
+    outln!("{}: {}, seed {}", file.title, counted(campaign.plan.cases(), "case"), file.seed);
     for (index, part) in file.parts.iter().enumerate() {
         let axes: Vec<_> = part.axes.iter().map(|axis| axis.keys.join(" = ")).collect();
         outln!(

@@ -35,6 +35,7 @@ use lashloop_campaign::suite::runner::Runner;
 use lashloop_campaign::suite::table::{Table, line, name_width};
 use lashloop_campaign::suite::tally::{Conclusion, Tally};
 use lashloop_campaign::workers::{self, Order};
+use lashloop_session::counted;
 use reports::TestReports;
 
 /// Run every scenario of files and folders, sweeps included, and print one table
@@ -163,7 +164,7 @@ impl Arguments {
             plants: &plants,
         };
         let (missing, total) = (tally.missing(), cases.len());
-        let progress = Progress::over(format!("{total} cases"), total as u64);
+        let progress = Progress::over(counted(total as u64, "case"), total as u64);
         progress.show(tally.done() as u64);
         let (is_terminal, width) = (io::stderr().is_terminal(), name_width(&tally));
         let signals = supervisor.guard_signals();
@@ -259,7 +260,7 @@ fn update_baselines(tally: &Tally<'_>) -> Result<(), CliError> {
         if count > 0 {
             baseline.retain(|settings| group.iter().any(|(case, _)| case.settings == settings));
             baseline.write(&path)?;
-            outln!("updated {}: {count} of {} cases", path.display(), group.len());
+            outln!("updated {}: {count} of {}", path.display(), counted(group.len() as u64, "case"));
         }
     }
     Ok(())

@@ -78,5 +78,5 @@ pub use refusal::Reply;
 pub use signals::{DriveSignal, Subscription};
 pub use subscribe::SubscribeError;
 pub use telemetry_count::TelemetryCount;
-pub use text::{is_control, printable, without_controls};
+pub use text::{counted, is_control, printable, without_controls};
 pub use timestamps::Timestamps;

@@ -2,6 +2,16 @@
 
 use std::borrow::Cow;
 
+/// A number and its noun: "1 byte", "25 frames of this bench".
+#[must_use]
+pub fn counted(count: u64, noun: &str) -> String {
+    // The noun ends before its preposition.
+    let end = [" of ", " with "].iter().find_map(|preposition| noun.find(preposition)).unwrap_or(noun.len());
+    let (head, tail) = noun.split_at(end);
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {head}{plural}{tail}")
+}
+
 /// Escapes the characters of a foreign text that a terminal or a reader would not show as they are: control characters, and
 /// with them ANSI sequences, marks that change the direction of the text, and everything else without a glyph, as `\u{..}`.
 ///

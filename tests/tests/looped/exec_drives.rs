@@ -87,7 +87,7 @@ fn case_whose_drive_ends_is_an_invalid_row_of_its_campaign() {
     let (file, out) = (file.display().to_string(), records.path("out").display().to_string());
     let ended = program::run(["campaign", &file, "--device", &device, "--out", &out]).with_code(0);
     assert!(
-        ended.stdout.contains("1 cases are INVALID without a run; the first:\ncase 0: the "),
+        ended.stdout.contains("1 case INVALID without a run; the first:\ncase 0: the "),
         "{}",
         ended.stdout
     );

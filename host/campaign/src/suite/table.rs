@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write};
 
+use lashloop_session::counted;
+
 use super::case_result::{CaseResult, Status};
 use super::tally::Tally;
 
@@ -55,7 +57,7 @@ impl fmt::Display for Table<'_> {
         if missing > 0 {
             write!(counts, ", {missing} not run")?;
         }
-        let (all, s) = (self.tally.cases.len(), if self.tally.cases.len() == 1 { "" } else { "s" });
-        write!(out, "{all} case{s}: {}; {:.1} s", &counts[2..], self.wall_s)
+        let all = counted(self.tally.cases.len() as u64, "case");
+        write!(out, "{all}: {}; {:.1} s", &counts[2..], self.wall_s)
     }
 }

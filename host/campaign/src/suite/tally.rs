@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use lashloop_bench::verdict::Exit;
+use lashloop_session::counted;
 
 use super::case_result::{CaseResult, Status};
 use super::plan::{Case, Job};
@@ -119,7 +120,7 @@ impl<'a> Tally<'a> {
             Conclusion::Judged(_) => None,
             Conclusion::NothingRun => Some(format!("no case was run; {all} of {all} are skipped")),
             Conclusion::Incomplete => {
-                Some(format!("interrupted; {} of {all} cases have a result", self.done()))
+                Some(format!("interrupted; {} of {} have a result", self.done(), counted(all as u64, "case")))
             }
         }
     }

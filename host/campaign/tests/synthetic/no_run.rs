@@ -50,7 +50,7 @@ fn combination_that_permits_no_run_is_an_invalid_row_with_its_reason() {
     let report = View::new(&table).expect("a report").report;
     assert_eq!((report.groups[0].invalid, report.no_run.cases), (1, 1));
     let text = report.to_string();
-    assert!(text.contains("1 cases are INVALID without a run; the first:\ncase 3: "), "{text}");
+    assert!(text.contains("1 case INVALID without a run; the first:\ncase 3: "), "{text}");
     assert!(text.contains("plant.initial.motor_position_rad"), "{text}");
     assert!(evidence::picks(&table).expect("picks").iter().all(|pick| pick.case != 3));
 }

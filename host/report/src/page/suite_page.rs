@@ -1,6 +1,7 @@
 //! The index page of a suite of cases.
 
 use lashloop_campaign::suite::check::Check;
+use lashloop_session::counted;
 use maud::{Markup, html};
 
 use super::margin::Margin;
@@ -92,7 +93,7 @@ pub fn suite(suite: &Suite) -> String {
             div {
                 h1 { (suite.title) }
                 p.why {
-                    (count("PASS") + count(MARGINAL)) " of " (suite.rows.len()) " cases passed in " (format!("{:.1}", suite.wall_s)) " s."
+                    (count("PASS") + count(MARGINAL)) " of " (counted(suite.rows.len() as u64, "case")) " passed in " (format!("{:.1}", suite.wall_s)) " s."
                     @if let Some(reason) = &suite.reason { " " (reason) }
                 }
             }

@@ -7,6 +7,7 @@ use lashloop_protocol::hex::Hex;
 
 use super::arrivals::Arrivals;
 use super::cause::Cause;
+use crate::text::counted;
 
 /// First bytes that are shown.
 const SHOWN: usize = 8;
@@ -99,13 +100,4 @@ impl Arrivals {
         let whole = [self.good_count(), self.own_frames, self.host_requests, self.refused, self.unknown];
         whole.iter().all(|count| *count == 0) && self.raw.count > 0
     }
-}
-
-/// A number and its noun: "1 byte", "25 frames of this bench".
-fn counted(count: u64, noun: &str) -> String {
-    // The noun ends before its preposition.
-    let end = [" of ", " with "].iter().find_map(|preposition| noun.find(preposition)).unwrap_or(noun.len());
-    let (head, tail) = noun.split_at(end);
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {head}{plural}{tail}")
 }

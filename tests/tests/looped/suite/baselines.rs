@@ -37,7 +37,7 @@ fn a_restored_case_is_compared_with_the_baseline_of_today() {
     peak("1.4");
     let _ = suite.run(&["--out", &out, "--force"]).with_code(1);
     let updated = suite.run(&["--out", &out, "--resume", "--update"]).with_code(0);
-    assert!(updated.stdout.contains("a.baseline.toml: 1 of 1 cases"), "{}", updated.stdout);
+    assert!(updated.stdout.contains("a.baseline.toml: 1 of 1 case"), "{}", updated.stdout);
     let resumed = suite.run(&["--out", &out, "--resume"]).with_code(0);
     assert_eq!(resumed.stderr, "", "the case has run once and once by force");
 }

@@ -66,6 +66,7 @@ const ALLOWED: [(&str, &[&str]); 33] = [
             "lashloop-protocol",
             "lashloop-plant",
             "lashloop-link",
+            "lashloop-session",
             "lashloop-bench",
             "lashloop-record",
             "lashloop",
