@@ -8,18 +8,32 @@
 
 use std::time::{Duration, Instant};
 
-use lashloop_firmware::Laws;
+use lashloop_firmware::control::merzouki::Merzouki;
+use lashloop_firmware::control::pd::Pd;
 use lashloop_link::in_process::InProcess;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::{DriveMessage, EncoderCounts, Frame, MAX_FRAME, Message, frame};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, Frame, MAX_FRAME, Message, frame};
 use lashloop_session::{Session, SessionError};
 use libfuzzer_sys::fuzz_target;
 
+/// Parameters and signals that the drive admits to: up to `torque_limit_nm`, and one; with an input of even length none, so that its
+/// edits meet the run. Most of a session is their descriptions, and each takes the same way.
+const ADMITTED: [(u8, u8); 2] = [(0, 0), (6, 1)];
 /// [`PATIENCE`](lashloop_session::PATIENCE) up to the start, and as much again for the stop and for what a limit oversteps.
 const LONGEST_SESSION: Duration = Duration::from_secs(40);
 /// More reads than any session needs in that time.
 const MOST_READS: u32 = 100_000;
+
+lashloop_firmware::laws! {
+    /// Two laws, so that the parameter of the law in force has names.
+    enum Laws {
+        /// In force after power-up.
+        Pd(Pd),
+        /// The other one.
+        Merzouki(Merzouki),
+    }
+}
 
 fuzz_target!(|input: &[u8]| {
     let link = Hostile::new(input);
@@ -42,7 +56,7 @@ fn converse(link: Box<dyn Link>) -> Result<(), SessionError> {
         assert!(!error.to_string().chars().any(char::is_control), "{error}");
     }
     session.start()?;
-    for step in 0..4 {
+    for step in 0..3 {
         let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
         let sample = EncoderSample { sequence: 0, motor_counts, load_counts, reference_rad: 0.1 };
         let deadline = session.line.now() + Duration::from_millis(1);
@@ -63,6 +77,9 @@ struct Hostile {
     ready: Vec<u8>,
     /// Reads that give one byte of noise each, a millisecond apart.
     babble: u32,
+    /// Whether the drive has passed an `Identity`.
+    is_introduced: bool,
+    admitted: (u8, u8),
 }
 
 impl Hostile {
@@ -76,9 +93,24 @@ impl Hostile {
             edit: 0,
             ready: Vec::new(),
             babble: 0,
+            is_introduced: false,
+            admitted: ADMITTED[input.len() % 2],
         };
         hostile.next_edit();
         hostile
+    }
+
+    /// The frame, with fewer parameters and signals if it is an `Identity`.
+    fn introduction<'a>(&mut self, sent: &'a [u8], shorter: &'a mut [u8; MAX_FRAME]) -> &'a [u8] {
+        match Decoder::new().next::<DriveMessage>(&mut &*sent) {
+            Some(Ok(mut answer)) => {
+                let DriveMessage::Identity(identity) = &mut answer.message else { return sent };
+                (identity.parameter_count, identity.signal_count) = self.admitted;
+                self.is_introduced = true;
+                answer.message.write_numbered(answer.number, shorter)
+            }
+            _ => sent,
+        }
     }
 
     fn next_edit(&mut self) {
@@ -93,6 +125,8 @@ impl Hostile {
 
     /// Appends a frame of the drive to what is ready, edited if it is its turn.
     fn pass(&mut self, sent: &[u8]) {
+        let mut shorter = [0; MAX_FRAME];
+        let sent = if self.is_introduced { sent } else { self.introduction(sent, &mut shorter) };
         match self.passing {
             Some(0) => {}
             Some(more) => {
