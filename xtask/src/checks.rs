@@ -1,5 +1,7 @@
 //! What can be judged without running the product.
 
+use std::fs;
+
 use anyhow::{Result, ensure};
 
 use crate::command::{cargo, command, output, run};
@@ -16,6 +18,7 @@ pub(crate) fn run_all() -> Counts {
         .step("documentation", || run(cargo("doc --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings")));
     counts.step("benchmarks", benchmarks);
     counts.step("dependencies", dependencies::check);
+    counts.step("planted dependencies", dependencies::finds_planted_breaks);
     // For the whole workspace, so that the dependencies have the features of every other test.
     counts.step("source tree", || {
         let tests = cargo("test --workspace --test tree");
@@ -26,8 +29,11 @@ pub(crate) fn run_all() -> Counts {
 
 /// Compiles the benchmarks in Rust, which are workspaces of their own.
 fn benchmarks() -> Result<()> {
-    for name in ["codec", "plant"] {
-        let manifest = paths::root().join("benchmarks").join(name).join("Cargo.toml");
+    for benchmark in fs::read_dir(paths::root().join("benchmarks"))? {
+        let manifest = benchmark?.path().join("Cargo.toml");
+        if !manifest.exists() {
+            continue;
+        }
         let mut clippy = cargo("clippy --all-targets --locked --manifest-path");
         clippy.arg(manifest).args(["--", "-D", "warnings"]);
         run(clippy.env("CARGO_TARGET_DIR", paths::root().join("target/benchmarks")))?;
