@@ -101,7 +101,7 @@ metrics! {
     RiseTime = "rise_time_s" in "s" trend Fixed by |setup| boxed(RiseTime::new(setup.final_rad));
     /// Mean of e over the last second.
     StaticError = "static_error_rad" in "rad" trend Any by |setup| tail(setup, Channel::Error, Figure::Mean, 1.0);
-    /// Peak to peak of e over the last 10 s.
+    /// Peak to peak of e over the last 10 s, of a run of less than 20 s over its second half.
     Hunting = "hunting_rad" in "rad" trend Any by |setup| tail(setup, Channel::Error, Figure::PeakToPeak, 10.0);
     /// Largest abs(e) on the far side of the reference, seen from the first e; 0 if none.
     Overshoot = "overshoot_rad" in "rad" trend Rising by |_| boxed(Overshoot::default());

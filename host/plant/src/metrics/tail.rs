@@ -11,6 +11,7 @@ use super::sample::Sample;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Figure {
     Mean,
+    /// Within the second half of the run only: the first is the transient.
     PeakToPeak,
 }
 
@@ -60,13 +61,14 @@ impl Meter for Tail {
         if self.recent.is_empty() {
             return Measured::NoTelemetry;
         }
-        let values = self.recent.iter().map(|(_, value)| *value);
+        let values = |first| self.recent.iter().filter(move |(at, _)| *at > first).map(|(_, value)| *value);
         Measured::finite(match self.figure {
-            Figure::Mean => values.sum::<f64>() / self.recent.len() as f64,
+            Figure::Mean => values(0).sum::<f64>() / self.recent.len() as f64,
             Figure::PeakToPeak => {
-                let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (value.min(low), value.max(high))
-                });
+                let (low, high) = values(self.samples / 2)
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                        (value.min(low), value.max(high))
+                    });
                 high - low
             }
         })

@@ -63,6 +63,16 @@ fn hunting_is_peak_to_peak_over_the_last_ten_seconds() {
 }
 
 #[test]
+fn hunting_of_a_short_run_leaves_out_its_transient() {
+    for seconds in [10.0, 12.0, 19.0] {
+        let metrics =
+            error(seconds, |t_s| if t_s < 0.5 * seconds - 5e-4 { 5.0 } else { 0.01 * (t_s / seconds) });
+        assert_close(&metrics, Metric::Hunting, 0.01 * (0.5 - 0.001 / seconds));
+    }
+    assert_eq!(error(9.999, |_| 0.0).get(Metric::Hunting), Measured::RunTooShort);
+}
+
+#[test]
 fn overshoot_counts_the_far_side_of_the_reference() {
     let swing = |t_s: f64| if t_s < 1.0 { 2.0 } else { -0.2 * (-t_s).exp() };
     assert_close(&error(10.0, swing), Metric::Overshoot, 0.2 * (-1.0_f64).exp());
