@@ -38,8 +38,7 @@ pub(crate) struct Component {
 pub(crate) unsafe fn instantiate(token: Text, resources: Text, log: Box<dyn Log>) -> Pointer {
     // SAFETY: as the caller promises.
     let (token, resources) = unsafe { (texts::of_c(token), texts::of_c(resources)) };
-    let made = catch_unwind(|| Instance::new(&folder(&resources), &token).map_err(|error| error.to_string()));
-    match made.unwrap_or_else(|panic| Err(panic_text(&*panic))) {
+    match guarded(|| Instance::new(&folder(&resources), &token)) {
         Ok(instance) => Box::into_raw(Box::new(Component { instance, log, given: Vec::new() })).cast(),
         Err(error) => {
             log.write(ERROR, &to_c(CATEGORY), &to_c(&error));
@@ -70,14 +69,19 @@ pub(crate) unsafe fn call(
 ) -> Status {
     // SAFETY: as the caller promises.
     let Some(component) = (unsafe { component.cast::<Component>().as_mut() }) else { return ERROR };
-    let done = catch_unwind(AssertUnwindSafe(|| work(component).map_err(|error| error.to_string())));
-    match done.unwrap_or_else(|panic| Err(panic_text(&*panic))) {
+    match guarded(|| work(component)) {
         Ok(()) => OK,
         Err(error) => {
             component.log.write(ERROR, &to_c(CATEGORY), &to_c(&error));
             ERROR
         }
     }
+}
+
+/// Does the work of a function of C, which no panic may leave.
+fn guarded<T>(work: impl FnOnce() -> Result<T, ExportError>) -> Result<T, String> {
+    let done = catch_unwind(AssertUnwindSafe(work));
+    done.map_or_else(|panic| Err(panic_text(&*panic)), |result| result.map_err(|error| error.to_string()))
 }
 
 fn panic_text(panic: &(dyn Any + Send)) -> String {
@@ -359,4 +363,20 @@ fn complete(lengths: &[usize], count: usize) -> Result<(), ExportError> {
 unsafe fn of_pointer<'a>(state: Pointer) -> Result<&'a Snapshot, ExportError> {
     // SAFETY: as the caller promises.
     unsafe { state.cast::<Snapshot>().as_ref() }.ok_or(ExportError::Null("the state"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ExportError, guarded};
+
+    #[test]
+    fn a_panic_is_an_error_with_its_text_and_leaves_no_function_of_c() {
+        let limit = 3;
+        let panics: [fn(i32) -> Result<(), ExportError>; 2] =
+            [|_| panic!("no step"), |limit| panic!("no step beyond {limit}")];
+        let texts = panics.map(|work| guarded(|| work(limit)).expect_err("a panic"));
+        assert_eq!(texts, ["a defect of Lashloop: no step", "a defect of Lashloop: no step beyond 3"]);
+        let refused = guarded::<()>(|| Err(ExportError::Null("the size"))).expect_err("an error");
+        assert_eq!(refused, ExportError::Null("the size").to_string());
+    }
 }
