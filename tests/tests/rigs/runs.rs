@@ -87,6 +87,24 @@ fn a_record_of_a_rig_is_run_again_on_the_rig_alone() {
 }
 
 #[test]
+fn a_frequency_response_keeps_within_the_limits_of_the_rig() {
+    let twin = Twin::start();
+    let rig = RigFile::with(&twin.device(), "native-twin", "torque_nm = 5.0\nload_travel_rad = 0.5");
+    let path = rig.path();
+    let short =
+        ["--mode", "hil", "--lowest-hz", "2", "--lines", "8", "--settles-s", "0.5", "--realisations", "3"];
+    let bode = |more: &[&str]| {
+        let start =
+            ["bode", "scenarios/shaft-pd.toml", "--rig", &path, "--set", "reference.position_rad=0.3"];
+        program::run([&start[..], &short, &PATIENCE, more].concat())
+    };
+    let without = bode(&[]).with_code(2).stderr;
+    assert!(without.contains("exceeds the rig"), "{without}");
+    let within = bode(&["--set", "controller.parameters.torque_limit_nm=5"]).with_code(0);
+    assert!(within.stdout.contains("8 of 8 lines coherent"), "{}", within.stdout);
+}
+
+#[test]
 fn absent_hardware_is_no_verdict() {
     let ended = run(&RigFile::new(NOWHERE), &[]).with_code(5);
     assert!(
