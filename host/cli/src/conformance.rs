@@ -18,6 +18,7 @@ use lashloop_protocol::message::Identity;
 use lashloop_report::junit::{Case, Kind};
 
 use super::error::CliError;
+use super::interruptible::Interruptible;
 use super::options::{BaudOption, DeviceOption, plants};
 use super::output::{complain, outln, print_json};
 use super::report_files;
@@ -89,7 +90,7 @@ impl Arguments {
             time_limit: Duration::from_secs(self.time_limit_s),
             signals: None,
         };
-        let ended = conformance::run(link, session_number(), &mut printer);
+        let ended = conformance::run(Box::new(Interruptible(link)), session_number(), &mut printer);
         drop(printer.signals.take());
         let ended = match ended.map_err(|source| connection.explain(source)) {
             Err(error) if error.has_crashed() && !supervisor.interrupted() => {
@@ -101,7 +102,7 @@ impl Arguments {
         let Printer { device, results, .. } = printer;
         if let Some(path) = &self.junit {
             let interrupted = supervisor.interrupted().then(|| "interrupted".to_owned());
-            let ended_by = ended.as_ref().err().map(ToString::to_string).or(interrupted);
+            let ended_by = interrupted.or(ended.as_ref().err().map(ToString::to_string));
             let early = ended_by.map(|cause| Case {
                 reasons: vec![format!("the run ended early: {cause}")],
                 properties: vec![("device", device.clone())],
@@ -114,10 +115,12 @@ impl Arguments {
             print_json(&results)?;
         }
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
-        if let Err(error) = ended {
+        if let Err(error) = ended
+            && !supervisor.interrupted()
+        {
             // The drive has broken a rule, whatever ended the line later. Its silence then fails the last checks.
             let before = &results[..results.len().saturating_sub(SILENT_CHECKS as usize)];
-            if !supervisor.interrupted() && Counts::of(before).failed == 0 {
+            if Counts::of(before).failed == 0 {
                 return Err(error.into());
             }
             complain(format_args!("{error}"));

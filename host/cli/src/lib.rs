@@ -38,6 +38,7 @@ mod first_reach;
 mod flash;
 mod fmu;
 mod identify;
+mod interruptible;
 mod margins;
 mod monitor;
 mod one_run;

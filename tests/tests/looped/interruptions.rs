@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 use tests::program::{self, Running};
+use tests::twin::Twin;
 use tests::{processes, wait};
 
 const SCENARIO: &str = "scenarios/smooth-after.toml";
@@ -37,6 +38,32 @@ fn an_interruption_before_the_handshake_is_invalid() {
         wait::until("the drive has started", || (!processes::children(bench.id()).is_empty()).then_some(()));
         let _ = interrupted(bench);
     }
+}
+
+/// The check that waits for a drive without an answer has no result: it neither failed nor passed.
+#[test]
+fn an_interruption_ends_the_wait_of_a_conformance_check() {
+    let twin = Twin::start();
+    let junit = tempfile::NamedTempFile::new().expect("a file");
+    let printed = tempfile::NamedTempFile::new().expect("a file");
+    let results = || fs::read_to_string(printed.path()).expect("the results");
+    let mut bench = Command::new(program::lashloop())
+        .args(["conformance", "--device", &twin.device(), "--junit"])
+        .arg(junit.path())
+        .stdout(printed.reopen().expect("a file"))
+        .spawn()
+        .expect("lashloop");
+    wait::until("the first check has passed", || results().contains("PASS").then_some(()));
+    twin.signal(Signal::STOP);
+    let sent = Instant::now();
+    processes::signal(bench.id(), Signal::INT);
+    let ended = wait::until("it has ended", || bench.try_wait().expect("a process"));
+    assert!(sent.elapsed() < LIMIT, "took {:?}", sent.elapsed());
+    assert_eq!(ended.code(), Some(3), "{}", results());
+    assert!(results().contains(" 0 failed, "), "{}", results());
+    assert!(results().contains("; interrupted, the rest was not run"), "{}", results());
+    let report = fs::read_to_string(junit.path()).expect("the report");
+    assert!(report.contains("the run ended early: interrupted"), "{report}");
 }
 
 /// Whether the program handles signals by now.
