@@ -57,7 +57,7 @@ pub(crate) fn name(command: &Command) -> String {
 
 pub(crate) fn cannot_start(command: &Command) -> String {
     format!(
-        "{} cannot be started; `cargo xtask setup` installs what the tests need",
+        "{} can't be started; `cargo xtask setup` installs what the tests need",
         command.get_program().to_string_lossy()
     )
 }

@@ -64,7 +64,7 @@ const LIST_OF_MESSAGES: &str = "
 /// The file can't be written, or frames no longer carry the CRC that the header declares.
 pub(crate) fn write() -> Result<()> {
     let path = paths::root().join(PATH);
-    fs::write(&path, text()?).with_context(|| format!("{} cannot be written", path.display()))
+    fs::write(&path, text()?).with_context(|| format!("{} can't be written", path.display()))
 }
 
 fn text() -> Result<String> {

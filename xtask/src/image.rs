@@ -41,11 +41,11 @@ pub(crate) fn publish(program: &str, image: &str) -> Result<()> {
     let image = paths::image(image);
     // Renaming is atomic: an emulator that starts now reads either the old or the new image.
     let copy = image.with_extension("elf.new");
-    fs::copy(&built, &copy).with_context(|| format!("{} cannot be copied", built.display()))?;
-    fs::rename(&copy, &image).with_context(|| format!("{} cannot be replaced", image.display()))?;
+    fs::copy(&built, &copy).with_context(|| format!("{} can't be copied", built.display()))?;
+    fs::rename(&copy, &image).with_context(|| format!("{} can't be replaced", image.display()))?;
     // Cargo's list of the sources: the bench warns of an image that is older than one of them.
     let list = image.with_extension("d");
     fs::copy(built.with_extension("d"), &list)
-        .with_context(|| format!("{} cannot be written", list.display()))?;
+        .with_context(|| format!("{} can't be written", list.display()))?;
     Ok(())
 }

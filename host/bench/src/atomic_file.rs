@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 /// A file that can't be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be {action}: {source}", path.display())]
+#[error("{}: can't be {action}: {source}", path.display())]
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,

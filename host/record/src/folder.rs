@@ -60,7 +60,7 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// It can't be created.
-    #[error("{}: cannot be created: {source}", path.display())]
+    #[error("{}: can't be created: {source}", path.display())]
     Create {
         /// The folder.
         path: PathBuf,

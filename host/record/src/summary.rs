@@ -365,7 +365,7 @@ pub(crate) mod tests {
         let path = directory.path().join("summary.json");
         fs::create_dir(&path).expect("a directory in the way");
         let error = summary().write(&path).expect_err("a directory in the way").to_string();
-        let start = format!("{}: cannot be written: ", path.display());
+        let start = format!("{}: can't be written: ", path.display());
         assert!(error.starts_with(&start), "{error}");
         assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
     }
@@ -373,6 +373,6 @@ pub(crate) mod tests {
     #[test]
     fn an_absent_directory_is_reported_with_the_path() {
         let error = summary().write(Path::new("no/such/summary.json")).expect_err("no directory");
-        assert!(error.to_string().starts_with("no/such/summary.json: cannot be created: "), "{error}");
+        assert!(error.to_string().starts_with("no/such/summary.json: can't be created: "), "{error}");
     }
 }

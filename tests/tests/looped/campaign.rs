@@ -293,7 +293,7 @@ fn shard_comes_from_the_environment_of_a_scheduler() {
 fn wrong_campaigns_are_refused_with_the_remedy() {
     let (serial, absent) = ("--device /dev/ttyUSB0 --jobs 2", Path::new("no-such.toml"));
     for (line, expected) in [
-        (format!("campaign run {}", absent.display()), "no-such.toml: cannot be read"),
+        (format!("campaign run {}", absent.display()), "no-such.toml: can't be read"),
         (format!("{SMALL} --shard 4/3 --out x"), "expected K/N with 1 <= K <= N"),
         (format!("{SMALL} --shard 1/3"), "--out"),
         (format!("{SMALL} --shard auto --out x"), "no scheduler is there"),

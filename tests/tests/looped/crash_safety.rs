@@ -84,7 +84,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
         let setting = format!("record.flush_rows={flush_rows}");
         let (code, stderr) = with_files_up_to(400, &records, &[&setting]);
         assert_eq!(code, Some(2), "{stderr}");
-        assert!(stderr.contains("run.mcap: cannot be written: ") && stderr.lines().count() == 1, "{stderr}");
+        assert!(stderr.contains("run.mcap: can't be written: ") && stderr.lines().count() == 1, "{stderr}");
         let rows = records.trace().len();
         assert!(
             (flush_rows..25_000).contains(&rows) && rows.is_multiple_of(flush_rows),
@@ -108,7 +108,7 @@ fn a_disk_full_at_the_start_is_named_before_the_run() {
     let before = files();
     let (code, stderr) = with_files_up_to(0, &records, &[]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("record/scenario.toml: cannot be written: File too large"), "{stderr}");
+    assert!(stderr.contains("record/scenario.toml: can't be written: File too large"), "{stderr}");
     assert!(before.len() == 5 && before == files(), "the earlier record has changed: {:?}", files().keys());
 }
 
@@ -118,7 +118,7 @@ fn a_summary_that_does_not_fit_leaves_whole_samples() {
     let records = Records::new();
     let (code, stderr) = with_files_up_to(36, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("run.mcap: cannot be written: "), "{stderr}");
+    assert!(stderr.contains("run.mcap: can't be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
     let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();

@@ -13,7 +13,7 @@ const LARGEST: u64 = 1 << 20;
 /// Reads a file in UTF-8. `kind` is what it is in messages, such as `scenario`.
 pub(super) fn read(path: &Path, kind: &str) -> Result<String, ScenarioError> {
     let unusable = |reason: String| ScenarioError::Unusable { path: path.to_owned(), reason };
-    let cannot_read = |error: io::Error| unusable(format!("cannot be read: {error}"));
+    let cannot_read = |error: io::Error| unusable(format!("can't be read: {error}"));
     if let Some(other) = regular_file::other_kind(path).map_err(cannot_read)? {
         let remedy = match other {
             "a folder" => "name a file in it".to_owned(),

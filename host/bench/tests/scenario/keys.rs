@@ -92,7 +92,7 @@ fn every_key_of_a_printed_scenario_is_listed() {
 /// Rules between keys and files, which the reader alone has.
 const BETWEEN_KEYS: [&str; 5] = [
     "is shorter than one control period",
-    "cannot be read",
+    "can't be read",
     "gives neither min nor max",
     "is not the unit of",
     "is greater than max",

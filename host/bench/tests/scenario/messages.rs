@@ -125,5 +125,5 @@ fn all_errors_of_a_file_are_reported_in_its_order() {
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
     let errors = Scenario::from_file(Path::new("no/such.toml"), &[]).expect_err("no file");
-    assert_eq!(errors.to_string(), "no/such.toml: cannot be read: No such file or directory (os error 2)");
+    assert_eq!(errors.to_string(), "no/such.toml: can't be read: No such file or directory (os error 2)");
 }

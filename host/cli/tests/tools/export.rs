@@ -36,7 +36,7 @@ fn full_disk_leaves_the_older_export() {
     command.args(["-c", script, LASHLOOP, "export"]).arg(&record).args(["--to", "csv"]);
     let ended = command.output().unwrap();
     assert_eq!(ended.status.code(), Some(2), "{}", text(&ended.stderr));
-    assert!(text(&ended.stderr).contains("export.csv: cannot be written"), "{}", text(&ended.stderr));
+    assert!(text(&ended.stderr).contains("export.csv: can't be written"), "{}", text(&ended.stderr));
     assert_eq!(fs::read_to_string(record.join("export.csv")).unwrap(), "older\n");
     assert_eq!(files(), before, "a part is left");
 }

@@ -31,7 +31,7 @@ pub(super) fn too_busy() -> Failure {
     Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() }
 }
 
-/// Tries a check again that fails while an answer comes late or the bench itself is late: the drive cannot tell when the bench
+/// Tries a check again that fails while an answer comes late or the bench itself is late: the drive can't tell when the bench
 /// has sent a sample, and the bench not when the drive has processed it.
 pub(crate) fn in_time(check: Check) -> Check {
     judged_up_to(SLOWEST_ANSWER, check)

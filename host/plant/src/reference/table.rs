@@ -50,7 +50,7 @@ pub struct TableError {
 #[derive(Debug, thiserror::Error)]
 pub enum TableErrorKind {
     /// The file can't be read.
-    #[error("cannot be read: {0}")]
+    #[error("can't be read: {0}")]
     Read(#[source] io::Error),
     /// The first line isn't the header.
     #[error("the columns are {0:?}; they must be \"time_s,position_rad\"")]
@@ -296,7 +296,7 @@ mod tests {
         let error = Table::from_file(Path::new("no/such.csv"), Interpolation::Hold).expect_err("no file");
         assert_eq!(
             error.to_string(),
-            "table no/such.csv: cannot be read: No such file or directory (os error 2)"
+            "table no/such.csv: can't be read: No such file or directory (os error 2)"
         );
     }
 }
