@@ -4,6 +4,7 @@
 //! bench mode nothing but the reference can be moved; plant and closed loop are measured, and the drive can be a real one.
 
 use std::f64::consts::TAU;
+use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,7 +23,7 @@ use crate::execution::{ExecutionError, OpenDrive, Place};
 const MOST_SATURATED: f64 = 0.01;
 
 /// Why a response can't be measured.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 pub enum BodeError {
     /// The plan is wrong.
     #[error(transparent)]
@@ -59,6 +60,13 @@ pub enum BodeError {
     /// The reference can't be made.
     #[error(transparent)]
     Reference(#[from] TableError),
+}
+
+/// As the message: a test that unwraps an error shows what to do.
+impl fmt::Debug for BodeError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, out)
+    }
 }
 
 /// A measurement at one amplitude.

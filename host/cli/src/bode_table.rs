@@ -34,10 +34,16 @@ pub(super) fn of_one(measurement: &Measurement) -> Vec<String> {
         })
     };
     text.extend(margin("phase margin", margins.phase, " deg"));
-    text.extend(margins.delay_s().map(|delay_s| format!("delay margin         {:.2} ms", 1e3 * delay_s)));
+    text.extend(margins.delay_s.map(|delay_s| format!("delay margin         {:.2} ms", 1e3 * delay_s)));
     text.extend(margin("gain margin", margins.gain, " dB"));
     text.extend(margin("lowest gain", margins.lowest_gain, " dB"));
     text.extend(margin("largest sensitivity", margins.sensitivity, ""));
+    if let Some(it) = margins.phase.filter(|it| it.within > it.value.abs()) {
+        text.push(format!(
+            "note                 the phase margin is within {:.2} deg of 0: more realisations show its sign",
+            it.within
+        ));
+    }
     match fit {
         Ok(fit) => text.extend(of_fit(fit)),
         Err(problem) => text.push(format!("drive train          {problem}")),

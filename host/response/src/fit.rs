@@ -5,6 +5,7 @@
 //! come from the covariance. Where the model leaves more than the deviations explain, they are wider by the root of that excess.
 
 use std::f64::consts::TAU;
+use std::fmt;
 
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex;
@@ -50,7 +51,7 @@ impl Estimate {
 }
 
 /// Why a response has no fit.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Too few lines rise above their scatter.
     #[error(
@@ -66,6 +67,13 @@ pub enum FitError {
         "two masses on a shaft can't be fitted to the response; does the range of frequencies contain resonance and antiresonance?"
     )]
     NoFit,
+}
+
+/// As the message: a test that unwraps an error shows what to do.
+impl fmt::Debug for FitError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, out)
+    }
 }
 
 /// The drive train that explains a measured plant best.

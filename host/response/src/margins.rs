@@ -23,6 +23,8 @@ pub struct Margin {
 pub struct Margins {
     /// Least distance of the phase to -180 degrees where the magnitude is 1, in degrees. Its frequency is the crossover.
     pub phase: Option<Margin>,
+    /// Least delay, in s, that takes the phase at a crossover to -180 degrees.
+    pub delay_s: Option<f64>,
     /// Least factor in dB by which the gain may rise.
     pub gain: Option<Margin>,
     /// Least factor in dB, below 0, by which the gain may fall.
@@ -52,12 +54,6 @@ impl Margins {
         margins
     }
 
-    /// Time in s by which a further delay may be larger before the phase margin is gone.
-    #[must_use]
-    pub fn delay_s(&self) -> Option<f64> {
-        self.phase.map(|it| it.value.abs() / 360.0 / it.frequency_hz)
-    }
-
     fn take_crossover(&mut self, low: &Line, high: &Line) {
         let [from, to] = [low, high].map(|line| line.value.norm().ln());
         if (from < 0.0) == (to < 0.0) {
@@ -69,6 +65,9 @@ impl Margins {
         let within = between(share, low.within_deg(), high.within_deg());
         let margin =
             Margin { frequency_hz: frequency_hz(share, low, high), value: distance.to_degrees(), within };
+        // A delay only turns backwards: from a phase beyond -180 degrees it takes almost a turn.
+        let delay_s = distance.rem_euclid(TAU) / TAU / margin.frequency_hz;
+        self.delay_s = Some(self.delay_s.map_or(delay_s, |known| known.min(delay_s)));
         if self.phase.is_none_or(|known| margin.value.abs() < known.value.abs()) {
             self.phase = Some(margin);
         }
@@ -149,6 +148,40 @@ mod tests {
         assert!((phase.value - want_deg).abs() < 0.05, "{phase:?}, want {want_deg}");
         assert!((phase.frequency_hz * TAU - 0.682_328).abs() < 1e-3, "{phase:?}");
         assert_eq!(margins.lowest_gain, None);
+    }
+
+    /// A resonance beyond the first crossover: there the phase margin is larger, and the delay margin smaller.
+    #[test]
+    fn delay_margin_is_the_least_over_all_crossovers() {
+        let mut of = measured(1.0);
+        for it in &mut of.open_loop {
+            let s = Complex::new(0.0, TAU * it.frequency_hz);
+            it.value = 1.0 / s + 0.2 * s / (s * s + 0.02 * s + 25.0);
+        }
+        let margins = Margins::of(&of);
+        let phase = margins.phase.expect("a phase margin");
+        let at_least_phase_s = phase.value / 360.0 / phase.frequency_hz;
+        let delay_s = margins.delay_s.expect("a delay margin");
+        let crossovers =
+            of.open_loop.windows(2).filter(|it| (it[0].value.norm() < 1.0) != (it[1].value.norm() < 1.0));
+        let least_s = crossovers
+            .map(|it| (it[0].value.arg() + PI).rem_euclid(TAU) / TAU / it[0].frequency_hz)
+            .fold(f64::MAX, f64::min);
+        assert!(delay_s < 0.5 * at_least_phase_s, "{delay_s} s, {at_least_phase_s} s by {phase:?}");
+        assert!((delay_s / least_s - 1.0).abs() < 0.1, "{delay_s} s for {least_s} s");
+    }
+
+    #[test]
+    fn a_delay_takes_a_negative_margin_almost_a_turn() {
+        let mut of = measured(1.0);
+        for it in &mut of.open_loop {
+            // A magnitude of 1 at 1 Hz, at 10 degrees beyond -180.
+            it.value = Complex::from_polar(1.0 / it.frequency_hz, -PI - 10_f64.to_radians());
+        }
+        let margins = Margins::of(&of);
+        let (phase, delay_s) = (margins.phase.expect("a margin"), margins.delay_s.expect("a margin"));
+        assert!((phase.value + 10.0).abs() < 1e-9, "{phase:?}");
+        assert!((delay_s - 350.0 / 360.0).abs() < 1e-6, "{delay_s}");
     }
 
     #[test]
