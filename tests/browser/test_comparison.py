@@ -33,6 +33,8 @@ def test_runs_are_distinguishable_and_differences_are_to_the_first(
     assert names == [it.folder.name for it in runs] + ["reference"]
     strokes = position.locator(".curves path").evaluate_all("all => all.map((it) => getComputedStyle(it).stroke)")
     assert len(set(strokes)) == 4
+    gap = page.locator(".chart", has=page.get_by_role("heading", name="Gap, enlarged", exact=True))
+    assert gap.locator(".key-name", has_text="edge").count() >= 2
     row = page.locator("table.metrics tr", has=page.locator("code", has_text="overshoot_rad"))
     values = [float(it) for it in row.locator("data").evaluate_all("all => all.map((it) => it.value)")]
     metrics = [it.summary["metrics"]["overshoot_rad"] for it in runs]

@@ -90,10 +90,14 @@ def test_page_of_a_complete_run_has_the_numbers_of_its_summary(pages: Any, tmp_p
         "Load position",
         "Torque",
         "Twist and gap",
+        "Gap, enlarged",
         "Dead-zone estimate",
         "Disturbing torque",
-        "Timing",
     ]
+    enlarged = page.locator(".chart", has=page.get_by_role("heading", name="Gap, enlarged", exact=True))
+    shown = enlarged.locator(".grid text[text-anchor=end]").all_text_contents()
+    ticks = [float(it.replace("\u2212", "-")) for it in shown if re.fullmatch(r"[\u2212\d.]+", it)]
+    assert max(abs(it) for it in ticks) < 0.3, "the gap of 0.16 rad fills the height"
     energy = page.locator(".chart", has=page.get_by_role("heading", name="Signals in J", exact=True))
     assert energy.is_hidden()
     page.get_by_role("button", name="Signals in J", exact=True).click()

@@ -1,5 +1,6 @@
 //! The panels of the page, from the signals of a run.
 
+use lashloop_bench::timing::ClockName;
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{DRIVE_PREFIX, FIXED_SIGNALS, SignalTable};
 use serde::Serialize;
@@ -14,6 +15,8 @@ pub(super) struct Panel {
     unit: String,
     /// Whether it is open at first; a click opens and closes it.
     is_open: bool,
+    /// Whether its limits fill the height, however far the other curves go.
+    is_enlarged: bool,
     curves: Vec<Curve>,
 }
 
@@ -46,7 +49,11 @@ const MOST_CURVES: usize = 8;
 /// Title, and per curve its label, its column and its meaning. A panel without its first curve is omitted.
 type Template = (&'static str, &'static [(&'static str, &'static str, Role)]);
 
-const PANELS: [Template; 6] = [
+const TIMING: &str = "Timing";
+/// The panel whose limits fill the height.
+const ENLARGED: &str = "Gap, enlarged";
+
+const PANELS: [Template; 7] = [
     (
         "Load position",
         &[
@@ -65,6 +72,7 @@ const PANELS: [Template; 6] = [
         "Twist and gap",
         &[("twist", "twist_rad", Role::Measured), ("edge of the gap", "dead_zone_rad", Role::Limits)],
     ),
+    (ENLARGED, &[("twist", "twist_rad", Role::Measured), ("edge of the gap", "dead_zone_rad", Role::Limits)]),
     (
         "Dead-zone estimate",
         &[
@@ -80,7 +88,7 @@ const PANELS: [Template; 6] = [
         ],
     ),
     (
-        "Timing",
+        TIMING,
         &[("round trip", TIMING_COLUMNS[1], Role::Measured), ("lateness", TIMING_COLUMNS[0], Role::Drive)],
     ),
 ];
@@ -94,9 +102,9 @@ pub(super) fn columns(signals: &SignalTable) -> Vec<Signal> {
 }
 
 /// The panels that these columns allow: the load's position, then the drive's own signals, all open; of the plant's signals
-/// those that no other panel has, closed.
-pub(super) fn panels(columns: &[Signal]) -> Vec<Panel> {
-    let of_templates: Vec<_> = templates(columns).collect();
+/// those that no other panel has, closed, as is the timing of a run in lockstep.
+pub(super) fn panels(columns: &[Signal], clock: ClockName) -> Vec<Panel> {
+    let of_templates: Vec<_> = templates(columns, clock).collect();
     let is_left = |column: &usize| {
         let shown = of_templates.iter().flat_map(|panel| &panel.curves);
         shown.into_iter().all(|curve| curve.column != *column)
@@ -131,6 +139,7 @@ fn by_unit(columns: &[Signal], of: &[usize], what: &str, is_open: bool) -> Vec<P
                 },
                 unit: unit.to_string(),
                 is_open,
+                is_enlarged: false,
                 curves: vec![curve],
             }),
         }
@@ -138,18 +147,23 @@ fn by_unit(columns: &[Signal], of: &[usize], what: &str, is_open: bool) -> Vec<P
     panels
 }
 
-fn templates(columns: &[Signal]) -> impl Iterator<Item = Panel> {
+fn templates(columns: &[Signal], clock: ClockName) -> impl Iterator<Item = Panel> {
     let find = move |name: &str| columns.iter().position(|column| column.name == name);
     let panel = move |(title, curves): Template| {
         let first = find(curves[0].1)?;
         let curve = |&(label, name, role): &(&'static str, &str, Role)| {
             find(name).map(|column| Curve { label: label.to_owned(), column, role })
         };
-        Some(Panel {
+        let curves: Vec<_> = curves.iter().filter_map(curve).collect();
+        let is_enlarged = title == ENLARGED;
+        let has_limits = curves.iter().any(|it| it.role == Role::Limits);
+        (has_limits || !is_enlarged).then(|| Panel {
             title: title.to_owned(),
-            is_open: true,
+            // In lockstep the timing changes no value of the run.
+            is_open: title != TIMING || clock == ClockName::RealTime,
+            is_enlarged,
             unit: columns[first].unit.to_string(),
-            curves: curves.iter().filter_map(curve).collect(),
+            curves,
         })
     };
     PANELS.into_iter().filter_map(panel)
@@ -164,15 +178,19 @@ mod tests {
         let plant = vec![Signal::new("dead_zone_rad", "rad"), Signal::new("twist_rad", "rad")];
         let drive = vec![Signal::new("requested_torque_nm", "N m")];
         let columns = columns(&SignalTable { plant, drive });
-        let panels = panels(&columns);
+        let panels = panels(&columns, ClockName::RealTime);
         let titles: Vec<_> = panels.iter().map(|panel| &*panel.title).collect();
-        assert_eq!(titles, ["Load position", "Torque", "Twist and gap", "Timing", "Signals in rad"]);
+        assert_eq!(
+            titles,
+            ["Load position", "Torque", "Twist and gap", "Gap, enlarged", "Timing", "Signals in rad"]
+        );
         let names = |panel: &Panel| -> Vec<String> {
             panel.curves.iter().map(|curve| columns[curve.column].name.to_string()).collect()
         };
         assert_eq!(names(&panels[1]), ["torque_nm", "drive.requested_torque_nm"]);
         assert_eq!(names(&panels[2]), ["twist_rad", "dead_zone_rad"]);
-        assert_eq!(panels[3].unit, "us");
+        assert_eq!(panels[4].unit, "us");
+        assert!(panels[3].is_enlarged && names(&panels[3]) == names(&panels[2]));
     }
 
     #[test]
@@ -188,7 +206,7 @@ mod tests {
             ("other_nm", "N m"),
         ]);
         let columns = columns(&SignalTable { plant, drive });
-        let panels = panels(&columns);
+        let panels = panels(&columns, ClockName::Lockstep);
         let shown: Vec<(&str, bool, usize)> =
             panels.iter().map(|it| (&*it.title, it.is_open, it.curves.len())).collect();
         let expected = [
@@ -197,12 +215,13 @@ mod tests {
             ("Drive's own signals without a unit", true, 1),
             ("Torque", true, 2),
             ("Twist and gap", true, 1),
-            ("Timing", true, 2),
+            ("Timing", false, 2),
             ("Signals in rad", false, 1),
             ("Signals without a unit", false, 1),
             ("Signals in J", false, 1),
         ];
         assert_eq!(shown, expected);
+        // A gap that no signal has can't be enlarged, so no panel of it is here.
         let all: Vec<_> = panels.iter().flat_map(|it| &it.curves).map(|it| it.column).collect();
         assert_eq!(all.len(), columns.len(), "every signal has a place");
     }

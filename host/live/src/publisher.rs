@@ -95,7 +95,7 @@ impl Publisher {
             duration_s: scenario.run.duration_s,
             histories: widths.iter().map(|(_, kept)| *kept).collect(),
             columns: &columns,
-            panels: panels(&columns),
+            panels: panels(&columns, clock.name()),
         };
         let start_ns = now.duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
         let times = StepTimes { start_ns, period_us: scenario.run.control_period_us };

@@ -19,8 +19,8 @@ pub(super) const SOFT_INK: &str = "#55606d";
 pub(super) const FONT: &str = "Helvetica, Arial, sans-serif";
 pub(super) const TITLE_PX: f64 = 21.0;
 pub(super) const PANEL_TITLE_PX: f64 = 15.0;
-pub(super) const LABEL_PX: f64 = 13.0;
-pub(super) const TICK_PX: f64 = 12.5;
+pub(super) const LABEL_PX: f64 = 14.0;
+pub(super) const TICK_PX: f64 = 14.0;
 pub(super) const CAPTION_PX: f64 = 14.0;
 
 /// How a curve is drawn.

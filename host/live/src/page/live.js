@@ -78,7 +78,8 @@
         isDashed: it.role === "reference",
         column: it.column, sign, x: [], y: [],
       }));
-      LashloopCharts.chart(host, { group, title: panel.title, unit: panel.unit, series });
+      const range = panel.is_enlarged ? () => enlarged(series.find((it) => it.style === "limit").y) : null;
+      LashloopCharts.chart(host, { group, title: panel.title, unit: panel.unit, series, range });
       return series;
     });
     group.listen(({ cursor }) => {
@@ -88,6 +89,12 @@
     facts([["scenario", text.scenario], ["drive", text.device], ["law", text.controller], ["clock", text.clock]]);
     badge("LIVE", "none", "The run continues.");
     at("stop").disabled = false;
+  }
+
+  // A vertical range that the largest limit so far fills; null before there is one.
+  function enlarged(limits) {
+    const limit = 1.25 * LashloopScale.range(limits, 0, limits.length)?.[1];
+    return limit > 0 ? [-limit, limit] : null;
   }
 
   // A button that opens and closes a panel.

@@ -1,5 +1,6 @@
 //! The page that compares several runs.
 
+use lashloop_bench::timing::ClockName;
 use lashloop_record::diff::{Comparison, DiffOptions, Setting};
 use maud::{Markup, html};
 
@@ -7,7 +8,9 @@ use super::chosen_panels::Panels;
 use super::data::{Chart, Data, Part, Series, coloured};
 use super::input::Run;
 use super::part::{differences, metrics, plots, settings};
-use super::run_charts::{HYSTERESIS, PHASE_PLANE, error_rad, estimates, is_own, spelled, trail};
+use super::run_charts::{
+    HYSTERESIS, PHASE_PLANE, edges_of_gap, enlarged, error_rad, estimates, is_own, spelled, trail,
+};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
 use crate::steps::round_trip_us;
@@ -79,6 +82,24 @@ fn table(runs: &[Run]) -> Markup {
     }
 }
 
+/// The twists of all runs, and the same with the gap as high as the chart. Gaps that are equal have one pair of edges.
+fn twist(data: &mut Data, runs: &[Run]) {
+    let mut chart = of_all(data, runs, "Twist", "rad", |run| column(run, "twist_rad"));
+    let mut drawn: Vec<&[f64]> = Vec::new();
+    for (number, run) in runs.iter().enumerate() {
+        let Some(half_gap_rad) = run.column("dead_zone_rad").filter(|it| !drawn.contains(it)) else {
+            continue;
+        };
+        drawn.push(half_gap_rad);
+        chart.series.extend(edges_of_gap(data, number, half_gap_rad));
+    }
+    let enlarged = enlarged(runs, &chart);
+    if !chart.series.is_empty() {
+        data.charts.push(chart);
+    }
+    data.charts.extend(enlarged);
+}
+
 fn charts(runs: &[Run], mut data: Data, panels: &Panels) -> Data {
     panels.draw(&mut data, runs);
     let mut position =
@@ -101,7 +122,7 @@ fn charts(runs: &[Run], mut data: Data, panels: &Panels) -> Data {
     };
     push(&mut data, "Position error", "rad", &|run| Some(("error_rad".to_owned(), error_rad(run)?)));
     push(&mut data, "Torque", "N m", &|run| column(run, "torque_nm"));
-    push(&mut data, "Twist", "rad", &|run| column(run, "twist_rad"));
+    twist(&mut data, runs);
     let mut names: Vec<(String, String)> = Vec::new();
     for pair in runs.iter().flat_map(estimates) {
         if !names.contains(&pair) {
@@ -124,6 +145,10 @@ fn charts(runs: &[Run], mut data: Data, panels: &Panels) -> Data {
         data.charts.push(chart);
     }
     push(&mut data, "Round trip", "us", &|run| {
+        // In lockstep the timing changes no value.
+        if run.record.manifest.clock == ClockName::Lockstep {
+            return None;
+        }
         let trip: Vec<_> = run.timing.iter().map(round_trip_us).collect();
         trip.iter().any(|value| value.is_finite()).then(|| ("round_trip_us".to_owned(), trip))
     });

@@ -14,11 +14,11 @@ pub fn response(title: &str, result: &str, svg: &str, words: &[String]) -> Strin
     let content = html! {
         section #result {
             h1 { (title) }
-            pre { (result) }
+            pre.result { (result) }
         }
         section #plots {
             h2 { "Plots" }
-            div.scroll { (PreEscaped(svg)) }
+            div.scroll.figure { (PreEscaped(svg)) }
         }
         section #origin {
             h2 { "Origin" }

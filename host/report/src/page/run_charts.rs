@@ -152,13 +152,7 @@ impl Charts<'_> {
         let mut series = vec![twist.style("c0")];
         if let Some(half_gap_rad) = self.run.column("dead_zone_rad") {
             self.shown.push("dead_zone_rad".to_owned());
-            for (label, name, sign) in
-                [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)]
-            {
-                let edge = || half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
-                let column = self.data.column(0, name, edge);
-                series.push(Series::new(label, 0, column).style("limit").dashed());
-            }
+            series.extend(edges_of_gap(&mut self.data, 0, half_gap_rad));
         }
         let mut chart = Chart::new("Twist and gap", "rad", series);
         chart.shades.extend(
@@ -167,21 +161,9 @@ impl Charts<'_> {
                 intervals: intervals(self.run.times_s(), contact),
             }),
         );
-        let enlarged = self.enlarged(&chart);
+        let enlarged = enlarged(slice::from_ref(self.run), &chart);
         self.push(chart);
         self.data.charts.extend(enlarged);
-    }
-
-    /// The chart of the twist with the gap as high as the chart, if the shaft winds much farther than that.
-    fn enlarged(&self, chart: &Chart) -> Option<Chart> {
-        let largest = |name: &str| {
-            let values = self.run.column(name)?;
-            Some(values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs())))
-        };
-        let half_gap_rad = largest("dead_zone_rad")?;
-        let is_coarse = half_gap_rad > 0.0 && largest("twist_rad")? > COARSE * half_gap_rad;
-        let range = Some([-ENLARGED * half_gap_rad, ENLARGED * half_gap_rad]);
-        is_coarse.then(|| Chart { title: "Gap, enlarged".to_owned(), range, ..chart.clone() })
     }
 
     /// Each estimate of the drive next to its truth: `drive.X_estimate_UNIT` and `X_UNIT`.
@@ -366,6 +348,28 @@ fn marks(run: &Run) -> Vec<Mark> {
         Some(Mark { x, label: fault.kind.into_owned() })
     };
     run.faults().into_iter().filter_map(mark).collect()
+}
+
+/// The edges of the gap of a run.
+pub(super) fn edges_of_gap(data: &mut Data, run: usize, half_gap_rad: &[f64]) -> [Series; 2] {
+    [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)].map(
+        |(label, name, sign)| {
+            let edge = || half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
+            Series::new(label, run, data.column(run, name, edge)).style("limit").dashed()
+        },
+    )
+}
+
+/// The chart of the twist of these runs with the largest gap as high as the chart, if a shaft winds much farther than that.
+pub(super) fn enlarged(runs: &[Run], chart: &Chart) -> Option<Chart> {
+    let largest = |name: &str| {
+        let values = runs.iter().filter_map(|run| run.column(name)).flatten();
+        values.fold(0.0_f64, |largest, value| largest.max(value.abs()))
+    };
+    let half_gap_rad = largest("dead_zone_rad");
+    let is_coarse = half_gap_rad > 0.0 && largest("twist_rad") > COARSE * half_gap_rad;
+    let range = Some([-ENLARGED * half_gap_rad, ENLARGED * half_gap_rad]);
+    is_coarse.then(|| Chart { title: "Gap, enlarged".to_owned(), range, ..chart.clone() })
 }
 
 #[cfg(test)]

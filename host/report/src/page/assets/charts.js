@@ -8,7 +8,7 @@
 // instead; its series have the times as `t`, and the range of time selects what is drawn.
 // Shades: { name, intervals: [from, to, from, to, ...] } over time. Marks: { x, label } are vertical lines.
 // Bands: { name, from, to, low, high } are limits of the values over a part of the time; one of them may be null. Notes:
-// { x, label } are texts at a time. `range: [low, high]` fixes the vertical axis.
+// { x, label } are texts at a time. `range: [low, high]`, or a function that returns it or null, fixes the vertical axis.
 // The arrays of a series may be replaced at any time: group.extend(to) and group.redraw() show them.
 "use strict";
 
@@ -188,7 +188,8 @@ const LashloopCharts = (() => {
 
     // The vertical range: as fixed, else that of the curves, and of limits that are near.
     function heightRange() {
-      if (range) return range;
+      const fixed = typeof range === "function" ? range() : range;
+      if (fixed) return fixed;
       let [low, high] = rangeOf("y");
       const near = (high - low) / 2;
       const shown = bands.filter((it) => it.from < group.view[1] && it.to > group.view[0]);
