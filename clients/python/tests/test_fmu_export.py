@@ -200,6 +200,7 @@ def test_500_runs_in_one_importer_take_no_more_memory(tmp_path: Path, part: str,
     # The allocator takes memory now and then; a leak takes it in every block of runs.
     growth_kib = [after - before for before, after in pairwise(memory)]
     assert min(growth_kib) < 50, f"{growth_kib} KiB, each in 100 runs"
+    assert sum(growth_kib[1:]) < 1024, f"{growth_kib} KiB, each in 100 runs"
     assert thread_count() <= threads, "threads that instances have left"
 
 

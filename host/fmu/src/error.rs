@@ -46,6 +46,11 @@ pub(crate) enum FmuError {
     Platform { found: String, wanted: String, remedy: &'static str },
     #[error("the FMU's library can't be loaded: {reason}{remedy}")]
     Library { reason: String, remedy: &'static str },
+    #[error(
+        "the FMU has taken {taken_mib} MiB of memory by t = {time_s} s, more than plant.memory_limit_mib = {limit_mib}: it leaks, or \
+         needs a higher limit"
+    )]
+    Memory { taken_mib: u64, limit_mib: u64, time_s: f64 },
     #[error("the FMU has no variable {name:?}, which plant.{key} names{near}")]
     NoVariable { name: String, key: String, near: String },
     #[error("the FMU's variable {name:?} is {is}, and plant.{key} needs {needs}")]

@@ -38,7 +38,13 @@ pub(crate) struct Settings {
     /// Libraries to load first.
     #[serde(default)]
     preload: Vec<String>,
+    /// 0 for none.
+    #[serde(default)]
+    memory_limit_mib: u64,
 }
+
+/// Calls between two looks at the memory, which take some microseconds.
+const LOOK_EVERY: u32 = 16;
 
 /// An FMU in motion.
 pub(crate) struct Plant {
@@ -47,6 +53,8 @@ pub(crate) struct Plant {
     torque: Variable,
     /// Motor, load, and the signals.
     outputs: Vec<Variable>,
+    memory_limit_mib: u64,
+    calls: u32,
     _own_folder: Option<TempDir>,
 }
 
@@ -93,7 +101,8 @@ impl Plant {
         for (variable, value) in &start {
             check_start(&instance, variable, value)?;
         }
-        Ok(Self { instance, steps, torque, outputs, _own_folder: own_folder })
+        let memory_limit_mib = settings.memory_limit_mib;
+        Ok(Self { instance, steps, torque, outputs, memory_limit_mib, calls: 0, _own_folder: own_folder })
     }
 
     /// The signals: names and units.
@@ -122,6 +131,13 @@ impl Plant {
         for step in self.steps.hold(held_s)? {
             self.instance.step(step)?;
         }
+        self.calls = self.calls.wrapping_add(1);
+        if self.memory_limit_mib > 0 && self.calls.is_multiple_of(LOOK_EVERY) {
+            let (taken_mib, limit_mib) = (taken_mib(), self.memory_limit_mib);
+            if taken_mib > limit_mib {
+                return Err(FmuError::Memory { taken_mib, limit_mib, time_s: self.steps.time_s() });
+            }
+        }
         Ok(())
     }
 
@@ -129,6 +145,13 @@ impl Plant {
     pub(crate) fn end(self) {
         self.instance.end();
     }
+}
+
+/// Memory that this process has taken, in MiB; 0 if the system doesn't say. proc_pid_statm(5): pages in memory are the second number.
+fn taken_mib() -> u64 {
+    let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages: u64 = statm.split(' ').nth(1).and_then(|it| it.parse().ok()).unwrap_or_default();
+    pages * rustix::param::page_size() as u64 >> 20
 }
 
 /// Path of the library in the archive.

@@ -59,6 +59,20 @@ fn step(description: &Description) -> String {
     if facts.is_empty() { "not stated".to_owned() } else { facts.join(", ") }
 }
 
+/// Columns that every record has, as `docs/records.md` lists them: no signal may have their names, nor the prefix of a drive's signals.
+const COLUMNS: [&str; 9] = [
+    "time_s",
+    "reference_rad",
+    "load_position_rad",
+    "motor_position_rad",
+    "torque_nm",
+    "telemetry_time_s",
+    "motor_counts",
+    "load_counts",
+    "sent_reference_rad",
+];
+const OF_DRIVE: &str = "drive.";
+
 /// A section that runs, if names tell motor from load; what to fill in is a comment.
 fn section(file: &Path, description: &Description) -> String {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
@@ -66,7 +80,8 @@ fn section(file: &Path, description: &Description) -> String {
         description.variables.iter().filter(move |it| it.causality == causality && role.takes(it))
     };
     let torques: Vec<_> = of_role(Role::Torque, "input").collect();
-    let positions: Vec<_> = of_role(Role::Position, "output").collect();
+    let of_plant = |it: &&Variable| !it.name.starts_with(OF_DRIVE);
+    let positions: Vec<_> = of_role(Role::Position, "output").filter(of_plant).collect();
     let torque = pick(&torques, &["torque", "tau", "moment"]).or(torques.first().copied());
     let motor = pick(&positions, &["motor_position", "motor.phi", "motor", "theta_m", "theta_e"]);
     let load = pick(&positions, &["load_position", "load.phi", "load", "theta_l", "theta_s"]);
@@ -82,7 +97,8 @@ fn section(file: &Path, description: &Description) -> String {
         };
     }
     let is_position = |it: &&Variable| [motor, load].contains(&Some(*it));
-    let signals = of_role(Role::Signal, "output").filter(|it| !is_position(it));
+    let is_free = |it: &&Variable| !COLUMNS.contains(&&*it.name) && of_plant(it);
+    let signals = of_role(Role::Signal, "output").filter(|it| !is_position(it)).filter(is_free);
     let names: Vec<_> = signals.map(|it| quoted(&it.name)).collect();
     let _ = writeln!(text, "signals = [{}]", names.join(", "));
     if description.co_simulation.is_none() || description.version == Version::One {
@@ -90,7 +106,11 @@ fn section(file: &Path, description: &Description) -> String {
     }
     let _ = writeln!(text, "\n[plant.initial]");
     for (key, variable) in [("motor_position_rad", motor), ("load_position_rad", load)] {
-        let _ = writeln!(text, "{key} = {}", float(variable.and_then(|it| it.start.as_deref())));
+        // An output has a start, or a parameter states it, as those of Lashloop's own plants do.
+        let stated = description.variables.iter().find(|it| it.name == format!("plant.initial.{key}"));
+        let start = [variable, stated].into_iter().flatten().find_map(|it| it.start.as_deref());
+        let remark = if start.is_none() { "  # not stated by the FMU: fill in" } else { "" };
+        let _ = writeln!(text, "{key} = {}{remark}", float(start));
     }
     let parameters: Vec<_> = of_role(Role::Start, "parameter").collect();
     if !parameters.is_empty() {

@@ -60,6 +60,7 @@ fn a_period_is_split_into_communication_steps_at_exact_times() {
 #[test]
 fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
     let fmu = FmuFolder::new("two", &LINUX);
+    let small = format!("{PLANT}memory_limit_mib = 64\n");
     let fast = PLANT.replace("step_timeout_ms = 30000", "step_timeout_ms = 500");
     for (plant, start, want) in [
         (PLANT, "mode = 1\n", "the plant's process ended in the middle of the run: signal: 11"),
@@ -76,6 +77,7 @@ fn an_fmu_that_misbehaves_ends_the_run_with_one_sentence() {
             "mode = 10\n",
             "the FMU can't set \"torque\" at t = 0.002 s: fmi2SetReal answers \"error\"\n",
         ),
+        (&*small, "mode = 6\n", "more than plant.memory_limit_mib = 64: it leaks, or needs a higher limit"),
         (PLANT, "only_step = 2e-3\n", "answers \"discard\": this step isn't the one it takes"),
     ] {
         let records = Records::new();
@@ -215,6 +217,14 @@ fn show_prints_a_section_that_runs() {
         let _ = fmu.run(&shown[at..], 0.1, &Records::new(), &[]).with_code(0);
         insta::assert_snapshot!(format!("fmu_show_{description}"), shown.replace(&file, "plant.fmu"));
     }
+    // Of an FMU of our own: its outputs have the names of columns, and parameters state where it starts.
+    let fmu = FmuFolder::new("two", &LINUX);
+    let file = fmu.path("own.fmu").display().to_string();
+    let export = ["fmu", "export", "scenarios/smooth-after.toml", "--of", "plant", "--out", &file];
+    let _ = program::run(export).with_code(0);
+    let shown = program::run(["fmu", "show", &file]).with_code(0).stdout;
+    let at = shown.find("[plant]").expect("a section");
+    let _ = fmu.run(&shown[at..], 0.1, &Records::new(), &[]).with_code(0);
     let ended = program::run(["fmu", "show", "README.md"]).with_code(2);
     assert!(ended.stderr.starts_with("lashloop-fmu: README.md isn't an FMU: "), "{}", ended.stderr);
 }

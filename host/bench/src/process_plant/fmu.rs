@@ -19,8 +19,16 @@ pub(super) const NAME: &str = "fmu";
 /// The program that loads FMUs.
 const LOADER: &str = "lashloop-fmu";
 /// Keys that the program receives as they are.
-const PASSED_ON: [&str; 7] =
-    ["torque_input", "motor_output", "load_output", "signals", "start", "tolerance", "preload"];
+const PASSED_ON: [&str; 8] = [
+    "torque_input",
+    "motor_output",
+    "load_output",
+    "signals",
+    "start",
+    "tolerance",
+    "preload",
+    "memory_limit_mib",
+];
 
 /// The model. `bench` is as that of a plant in a process.
 #[must_use]
@@ -46,6 +54,13 @@ pub fn model(bench: Option<PathBuf>) -> PlantModel {
             "Relative tolerance of the FMU's solver; 0 leaves it to the FMU.",
         ),
         Key::optional_texts("preload", "Libraries to load before the FMU, such as libpython3.11.so.1.0."),
+        Key::integer(
+            "memory_limit_mib",
+            "MiB",
+            8192,
+            16..=1_048_576,
+            "Memory that the process of the FMU may take; the program of `command` may ignore it.",
+        ),
         Key::optional_texts(
             "command",
             "Program that loads the FMU, and its arguments; lashloop-fmu next to this program or in PATH if absent.",
