@@ -3,6 +3,9 @@
 /// Similarity, 0 to 1, from which on a name counts as a misspelling of another.
 const MIN_SIMILARITY: f64 = 0.75;
 
+/// Fewest letters of a part of a name that may stand for it.
+const SHORTEST_PART: usize = 3;
+
 /// A name that nothing has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{owner} has no {kind} of this name{}; it has {known}", suggestion(nearest.as_deref()))]
@@ -32,8 +35,12 @@ impl UnknownName {
         let small = name.to_lowercase();
         let similarity = |other: &&str| {
             let other = other.to_lowercase();
-            let is_part = !small.is_empty() && other.contains(&small);
-            if is_part { 1.0 } else { strsim::jaro_winkler(&other, &small) }
+            // The shorter of two names of which it is a part, and one that begins with it first.
+            let is_part = small.len() >= SHORTEST_PART && other.contains(&small);
+            match (is_part, other.starts_with(&small)) {
+                (true, begins) => 1.0 + f64::from(begins) + 1.0 / (1.0 + other.len() as f64),
+                (false, _) => strsim::jaro_winkler(&other, &small),
+            }
         };
         let nearest = known.iter().map(|known| (similarity(known), *known));
         let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(it, _)| *it >= MIN_SIMILARITY);

@@ -39,7 +39,8 @@ impl DeviceChoice {
     /// What is missing in the name, or all forms there are.
     pub fn parse(text: &str, kinds: &[Syntax]) -> Result<Self, String> {
         let kind = kinds.iter().find_map(|syntax| (syntax.parse)(text));
-        kind.unwrap_or_else(|| Err(format!("expected {}", forms(kinds)))).map(|kind| Self(kind.into()))
+        let unknown = || Err(format!("expected {}{}", forms(kinds), suggestion(text, kinds)));
+        kind.unwrap_or_else(unknown).map(|kind| Self(kind.into()))
     }
 
     /// This device for a run: in bench mode with the scenario's plant behind the pins, unless they are wired to hardware.
@@ -76,6 +77,20 @@ pub fn forms(kinds: &[Syntax]) -> String {
     let forms: Vec<_> = kinds.iter().map(|syntax| syntax.form).collect();
     let (last, others) = forms.split_last().expect("there are kinds");
     format!("{} or {last}", others.join(", "))
+}
+
+/// The device that was probably meant: a terminal without its folder, or a kind in other letters.
+fn suggestion(text: &str, kinds: &[Syntax]) -> String {
+    const MIN_SIMILARITY: f64 = 0.6;
+    if text.starts_with("tty") {
+        return format!(" (did you mean /dev/{text}?)");
+    }
+    let small = text.to_lowercase();
+    let words = kinds.iter().map(|it| it.form).filter(|form| form.bytes().all(|it| it.is_ascii_lowercase()));
+    let best = words.map(|word| (strsim::normalized_damerau_levenshtein(word, &small), word));
+    let best =
+        best.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(similarity, _)| *similarity >= MIN_SIMILARITY);
+    best.map_or_else(String::new, |(_, word)| format!(" (did you mean {word}?)"))
 }
 
 impl fmt::Display for DeviceChoice {

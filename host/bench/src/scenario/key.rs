@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::key_error::KeyError;
 use super::range::NumberRange;
-use super::spelling::{decimal_point, either, with_unit};
+use super::spelling::{decimal_point, either, nearest, with_unit};
 use super::tree::{Node, Value};
 
 /// A key, as a section declares it.
@@ -118,8 +118,10 @@ impl KeyKind {
             _ if is_allowed.is_none() => {
                 KeyError::WrongType { found, kind: value.kind(), allowed: self.allowed(unit) }
             }
-            (Self::Choice(_) | Self::Choices(_), _) => {
-                KeyError::NotAChoice { found, allowed: self.allowed(unit) }
+            (Self::Choice(choices) | Self::Choices(choices), _) => {
+                let meant = value.text().and_then(|text| nearest(text, choices.iter().map(|it| it.name)));
+                let meant = meant.map_or_else(String::new, |name| format!(" (did you mean \"{name}\"?)"));
+                KeyError::NotAChoice { found, allowed: self.allowed(unit) + &meant }
             }
             _ => KeyError::OutOfRange { found, allowed: self.range(unit) },
         })

@@ -11,7 +11,7 @@ use super::error::ScenarioError;
 use super::file::without_mark;
 use super::key::Keys;
 use super::origin::Origin;
-use super::spelling::spell_key;
+use super::spelling::{nearest, spell_key};
 use super::tree::{Node, Table, Value, parse_file, parse_value};
 
 /// Depth of the deepest key, such as `plant.initial.load_position_rad`.
@@ -76,14 +76,11 @@ pub(super) fn read_tree(
 
 /// A key without a section must be one of the few keys that have none.
 fn needs_no_section(key: &str, known: &Keys) -> Result<(), String> {
-    /// Similarity, 0 to 1, from which on a key counts as a misspelling, which the reader reports.
-    const MISSPELLED: f64 = 0.6;
-    let similar = |known: &str| strsim::normalized_damerau_levenshtein(known, key) >= MISSPELLED;
     if known.keys.iter().any(|known| known.name == key) {
         return Ok(());
     }
     let paths = known.paths_of(key);
-    if paths.is_empty() && known.keys.iter().any(|known| similar(known.name)) {
+    if paths.is_empty() && nearest(key, known.keys.iter().map(|known| known.name)).is_some() {
         return Ok(());
     }
     let parameter = format!("controller.parameters.{}", spell_key(key));

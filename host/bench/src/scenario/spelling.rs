@@ -47,6 +47,17 @@ pub(super) fn either<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
+/// Similarity, 0 to 1, from which on a text counts as a misspelling of another.
+const MIN_SIMILARITY: f64 = 0.6;
+
+/// The word that was probably meant: one that differs by case alone, or resembles it.
+pub(super) fn nearest<'a>(text: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let small = text.to_lowercase();
+    let similarity = |word: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), &small);
+    let best = words.into_iter().map(|word| (similarity(word), word)).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(similarity, _)| *similarity >= MIN_SIMILARITY).map(|(_, word)| word)
+}
+
 /// The number in `text` with a decimal point, if it is one with a decimal comma, such as `1,5`.
 pub(super) fn decimal_point(text: &str) -> Option<String> {
     let (whole, fraction) = text.split_once(',')?;

@@ -3,11 +3,9 @@
 use crate::scenario::key::Keys;
 use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
+use crate::scenario::spelling::nearest;
 use crate::scenario::tree::{Node, Value};
 use crate::scenario::unit;
-
-/// Similarity, 0 to 1, from which on a key counts as a misspelling of another.
-const MIN_SIMILARITY: f64 = 0.6;
 
 /// What is known of a section with an unknown key.
 pub(super) struct Known<'a> {
@@ -67,8 +65,6 @@ impl Known<'_> {
     }
 
     fn nearest(&self, name: &str) -> Option<&'static str> {
-        let similarity = |key: &'static str| (strsim::normalized_damerau_levenshtein(key, name), key);
-        let best = self.keys.iter().map(|(key, _)| similarity(key)).max_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|(similarity, _)| *similarity >= MIN_SIMILARITY).map(|(_, name)| name)
+        nearest(name, self.keys.iter().map(|(key, _)| *key))
     }
 }
