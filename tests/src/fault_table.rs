@@ -296,11 +296,10 @@ pub fn check_watchdog_on(device: &str, late_s: f64) {
     let end = summary["end"].as_str().expect("an end");
     let figures = end
         .strip_prefix("the drive latched Watchdog at sample 1999: no sample for ")
-        .and_then(|rest| rest.strip_suffix(" s: the bench was late, or the line lost samples"))
+        .and_then(|rest| rest.strip_suffix(" ms: the bench was late, or the line lost samples"))
         .unwrap_or_else(|| panic!("{end}"));
-    let (value_s, limit_s) = figures.split_once(" s, above watchdog_us, ").expect("a limit");
-    let (value_s, limit_s): (f64, f64) =
-        (value_s.parse().expect("a time"), limit_s.parse().expect("a limit"));
+    let (value, limit) = figures.split_once(" ms, above watchdog_us, ").expect("a limit");
+    let [value_s, limit_s] = [value, limit].map(|it| 1e-3 * it.parse::<f64>().expect("a time"));
     assert!((limit_s - 0.2).abs() < 1e-6, "{end}");
     assert!(value_s >= limit_s && value_s < limit_s + late_s, "{end}");
     assert!(ended.stdout.contains("ENDED  the drive latched Watchdog"), "{}", ended.stdout);
