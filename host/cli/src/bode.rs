@@ -134,7 +134,9 @@ impl Arguments {
         for amplitude in self.amplitudes(&scenario)? {
             let plan = self.plan(&scenario, amplitude);
             let Some(measurement) = measure(&scenario, place, clock, &supervisor, &plan, self.speed)? else {
-                error_line(format_args!("interrupted by the user before the measurement was complete"));
+                error_line(format_args!(
+                    "INVALID: interrupted by the user before the measurement was complete"
+                ));
                 return Ok(Exit::Invalid);
             };
             print(of_one(&measurement));

@@ -202,8 +202,8 @@ impl RunArguments {
         self.runs.run(&campaign, &self.device, jobs, of, true, |execution| {
             let Some(shard) = shard else { return report(execution, execution.conclude()?) };
             outln!(
-                "shard {shard} is complete: {} runs; `lashloop campaign merge {}` merges all shards",
-                shard.len(campaign.plan.cases()),
+                "shard {shard} is complete: {}; `lashloop campaign merge {}` merges all shards",
+                counted(shard.len(campaign.plan.cases()), "run"),
                 execution.folder.display()
             );
             Ok(Exit::Pass)

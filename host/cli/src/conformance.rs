@@ -20,7 +20,7 @@ use lashloop_report::junit::{Case, Kind};
 use super::error::CliError;
 use super::interruptible::Interruptible;
 use super::options::{BaudOption, DeviceOption, plants};
-use super::output::{complain, outln, print_json};
+use super::output::{complain, error_line, outln, print_json};
 use super::report_files;
 use super::supervision::start_supervisor;
 
@@ -139,7 +139,10 @@ impl Arguments {
         Ok(match (failed, not_judged) {
             // A rule is broken even if the rest was not run.
             (1.., _) => Exit::Fail,
-            _ if supervisor.interrupted() => Exit::Invalid,
+            _ if supervisor.interrupted() => {
+                error_line(format_args!("INVALID: interrupted by the user; the rest was not run"));
+                Exit::Invalid
+            }
             (0, 0) => Exit::Pass,
             (0, _) => Exit::DeviceOrLink,
         })

@@ -63,10 +63,8 @@ impl Arguments {
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
                 Err(CliError::System { what: "print", source: error })
             }
-            // Bytes, and not one message among them: another file.
-            _ if counters.messages + counters.unknown + counters.refused == 0
-                && counters.discarded_bytes > 0 =>
-            {
+            // Not one message: another file, or an empty one.
+            _ if counters.messages + counters.unknown + counters.refused == 0 => {
                 Err(CliError::NoMessage { path: self.file.clone() })
             }
             _ => Ok(Exit::Pass),

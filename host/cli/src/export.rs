@@ -8,6 +8,7 @@ use lashloop_record::export::{Format, Selection, export};
 use lashloop_record::file_names::EXPORT_FILES;
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::reader::Record;
+use lashloop_session::counted;
 
 use super::error::CliError;
 use super::output::{outln, warn};
@@ -86,7 +87,8 @@ impl Arguments {
         };
         RecordFolder::check_output(&path)?;
         let columns = export(&record, &selection, format, &path)?;
-        outln!("{} rows of {} columns: {}", columns.len(), columns.signals().len(), path.display());
+        let rows = counted(columns.len() as u64, "row");
+        outln!("{rows} of {}: {}", counted(columns.signals().len() as u64, "column"), path.display());
         Ok(Exit::Pass)
     }
 }

@@ -15,6 +15,7 @@ use lashloop_fmu_export::{Part, Version, export, library};
 
 use super::error::{CliError, system};
 use super::output::outln;
+use super::report_files;
 
 /// Inspect an FMU, or write the plant or the drive of a scenario as one
 #[derive(Args)]
@@ -111,6 +112,7 @@ impl Export {
         let fmu = export(&scenario, part, version, &library)?;
         let stem = self.scenario.file_stem().unwrap_or_default().to_string_lossy();
         let file = self.out.unwrap_or_else(|| PathBuf::from(format!("{stem}-{}.fmu", part.name())));
+        report_files::check(&file, std::slice::from_ref(&self.scenario))?;
         write_whole(&file, "lashloop-fmu-", |out| out.write_all(&fmu))?;
         outln!("{}: FMI {}, {} of {}", file.display(), version.name(), part.name(), self.scenario.display());
         Ok(Exit::Pass)

@@ -158,7 +158,9 @@ pub fn main(bench: &Bench) -> ExitCode {
             command
         }
         Err(error) => {
-            let _ = error.print();
+            if error.print().is_err() && !error.use_stderr() {
+                return Exit::UsageOrScenario.into();
+            }
             return if error.use_stderr() { Exit::UsageOrScenario.into() } else { Exit::Pass.into() };
         }
     };

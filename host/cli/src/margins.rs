@@ -63,7 +63,7 @@ pub(super) fn of(
             }
             margins.iter().for_each(|it| outln!("margin               {it}"));
         }
-        None => error_line(format_args!("interrupted by the user before all margins were found")),
+        None => error_line(format_args!("INVALID: interrupted by the user before all margins were found")),
     }
     Ok(found)
 }

@@ -7,6 +7,7 @@ use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Agreement, RecordFiles, Tolerance};
+use lashloop_session::printable;
 
 use super::error::{CliError, system};
 use super::options::plants;
@@ -54,7 +55,7 @@ impl Arguments {
                 recording.steps.len(),
                 parameters.iter().filter(|it| it.of_law).count()
             );
-            outln!("recorded    {}", files.record.manifest.device_description);
+            outln!("recorded    {}", printable(&files.record.manifest.device_description));
             outln!("replayed    {}", device.description());
         }
         let signals = supervisor.guard_signals();

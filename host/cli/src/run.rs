@@ -85,6 +85,9 @@ impl Arguments {
         if let Some(path) = &junit {
             report_files::check(path, std::slice::from_ref(self.scenario.file()))?;
         }
+        if let Some(path) = &self.capture {
+            report_files::check(path, std::slice::from_ref(self.scenario.file()))?;
+        }
         let page = self.record.out.clone().filter(|_| self.report);
         let Finished { scenario, summary, outcome } = self.make(bench).inspect_err(|error| {
             junit.iter().for_each(|path| run_junit::write_error(path, error));

@@ -6,16 +6,22 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{LinkCounts, Verdict};
 use lashloop_record::summary::{Summary, Telemetry};
-use lashloop_session::CapturedRows;
+use lashloop_session::{CapturedRows, counted};
 
 use super::colour::{self, Stream};
 use super::output::{outln, styled_line};
 
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, has_details: bool) {
-    let verdict = colour::of_verdict(summary.verdict, &summary.verdict.to_string(), Stream::Output);
+    let is_judged = summary.verdict != Verdict::Pass || !summary.expectations.is_empty();
+    let verdict = if is_judged {
+        summary.verdict.to_string()
+    } else {
+        format!("{}, nothing expected", summary.verdict)
+    };
+    let verdict = colour::of_verdict(summary.verdict, &verdict, Stream::Output);
     styled_line(&verdict, format_args!("  {}", scenario.title));
-    if summary.verdict == Verdict::Pass && summary.expectations.is_empty() {
-        outln!("note   nothing was expected: no [[expect]] judges the drive");
+    if !is_judged {
+        outln!("note   no [[expect]] judges the drive");
     }
     for finding in &summary.expectations {
         outln!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
@@ -47,7 +53,8 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, h
     outln!("");
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     let what = if summary.mode.is_hil() { "the plant" } else { "the drive" };
-    outln!("run         {steps} steps, {simulated_s:.3} s of {what} in {wall_s:.3} s");
+    let steps = counted(steps.into(), "step");
+    outln!("run         {steps}, {simulated_s:.3} s of {what} in {wall_s:.3} s");
     if let Some(CapturedRows { rows, event, .. }) = &outcome.scope {
         outln!("scope       {} rows, the event at row {event}", rows.len());
     }

@@ -114,7 +114,12 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         if self.dry_run {
             let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
-            return dry_run::check_all(&find(&self.paths)?, &overrides, &plants(bench), self.json);
+            return dry_run::check_all(
+                &find(&self.paths)?,
+                &overrides,
+                &plants(bench),
+                (self.require_expectations, self.json),
+            );
         }
         let reports = TestReports { junit: self.junit.as_deref(), html: self.html.as_deref() };
         let files = find(&self.paths);

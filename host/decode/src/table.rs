@@ -6,6 +6,7 @@ use lashloop_protocol::Counters;
 use lashloop_protocol::field_value::FieldValue;
 use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::Direction;
+use lashloop_session::counted;
 
 use super::entry::{Entry, Location};
 use super::subscription::Label;
@@ -92,7 +93,9 @@ pub fn counters(counters: &Counters) -> String {
     let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused, unknown } = counters;
     let unknown = if *unknown == 0 { String::new() } else { format!(", {unknown} of unknown kinds") };
     format!(
-        "{messages} messages{unknown}; bad: {crc_errors} by CRC, {malformed} malformed, {oversized} oversized, \
-         {refused} refused ({discarded_bytes} bytes)"
+        "{}{unknown}; bad: {crc_errors} by CRC, {malformed} malformed, {oversized} oversized, \
+         {refused} refused ({})",
+        counted((*messages).into(), "message"),
+        counted((*discarded_bytes).into(), "byte")
     )
 }

@@ -52,6 +52,10 @@ impl Record {
     /// # Errors
     /// One of the files is unusable.
     pub fn read_any(folder: &Path) -> Result<Self, ReadError> {
+        if !folder.join(MANIFEST_FILE).exists() && !folder.join(SAMPLES_FILE).exists() {
+            let fault = if folder.exists() { ReadFault::NoRecord } else { ReadFault::NoFolder };
+            return Err(ReadError { path: folder.to_owned(), fault });
+        }
         let manifest = read_json(&folder.join(MANIFEST_FILE), ReadFault::Manifest)?;
         let Samples { trace, timing, faults, logs, is_torn } = read_samples(&folder.join(SAMPLES_FILE))?;
         let summary = if_it_exists(read_json(&folder.join(SUMMARY_FILE), ReadFault::Summary))?;

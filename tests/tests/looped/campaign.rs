@@ -284,7 +284,7 @@ fn shard_comes_from_the_environment_of_a_scheduler() {
     task.args(format!("{SMALL} --shard auto --out {}", records.out()).split_whitespace());
     task.envs([("SLURM_ARRAY_TASK_ID", "8"), ("SLURM_ARRAY_TASK_MIN", "5"), ("SLURM_ARRAY_TASK_COUNT", "8")]);
     let ended = Running::start_command(task).wait().with_code(0);
-    assert!(ended.stdout.starts_with("shard 4/8 is complete: 1 runs"), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("shard 4/8 is complete: 1 run;"), "{}", ended.stdout);
     let table = fs::read_to_string(records.path("shard-4-of-8.csv")).expect("the shard");
     assert!(table.lines().nth(1).is_some_and(|row| row.starts_with("3,plants,1,braking-curve,")), "{table}");
 }

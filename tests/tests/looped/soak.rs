@@ -49,7 +49,7 @@ fn an_interrupted_soak_ends_with_the_summary_so_far() {
     let (bench, drive) = in_its_midst(&[]);
     bench.signal(Signal::INT);
     let ended = bench.wait().with_code(3);
-    assert!(ended.stdout.contains("1 runs, interrupted after "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("1 run, interrupted after "), "{}", ended.stdout);
     assert!(
         ended.stdout.ends_with("\nINVALID\n"),
         "a soak that was cut short proves nothing: {}",

@@ -10,6 +10,7 @@ use lashloop::execution::ExecutionError;
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Verdict;
+use lashloop_session::counted;
 
 /// The totals of one level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -148,6 +149,12 @@ impl fmt::Display for Tally {
             writeln!(out, "WRONG  {problem}")?;
         }
         let how = if self.interrupted { "interrupted after" } else { "in" };
-        write!(out, "{} runs, {how} {:.1} s\n{}", self.runs, self.took.as_secs_f64(), self.verdict())
+        write!(
+            out,
+            "{}, {how} {:.1} s\n{}",
+            counted(self.runs.into(), "run"),
+            self.took.as_secs_f64(),
+            self.verdict()
+        )
     }
 }

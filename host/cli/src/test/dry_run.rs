@@ -26,9 +26,10 @@ pub(super) fn check_all(
     files: &[PathBuf],
     overrides: &[Override],
     plants: &Plants,
-    as_json: bool,
+    (requires_expectations, as_json): (bool, bool),
 ) -> Result<Exit, CliError> {
-    let mut findings: Vec<_> = files.iter().flat_map(|file| check(file, overrides, plants)).collect();
+    let mut findings: Vec<_> =
+        files.iter().flat_map(|file| check(file, overrides, plants, requires_expectations)).collect();
     findings.sort();
     // Many cases of a sweep have one error.
     findings.dedup();
@@ -42,21 +43,37 @@ pub(super) fn check_all(
     Ok(if findings.is_empty() { Exit::Pass } else { Exit::UsageOrScenario })
 }
 
-fn check(file: &Path, overrides: &[Override], plants: &Plants) -> Vec<Finding> {
+fn check(file: &Path, overrides: &[Override], plants: &Plants, requires_expectations: bool) -> Vec<Finding> {
     let finding = |error: &ScenarioError| {
         let (file, line, column) = error.place().unwrap_or_else(|| (file.display().to_string(), 1, 1));
         Finding { file, line, column, message: error.problem() }
     };
+    let mut expects_nothing = false;
     let mut findings = match Cases::from_file(file, overrides, plants) {
         Err(errors) => errors.iter().map(finding).collect(),
         Ok(cases) => {
-            let errors = cases.settings().iter().filter_map(|case| cases.scenario(case).err());
-            errors.flat_map(|errors| errors.iter().map(finding).collect::<Vec<_>>()).collect::<Vec<_>>()
+            let mut findings = Vec::new();
+            for case in cases.settings() {
+                match cases.scenario(case) {
+                    Err(errors) => findings.extend(errors.iter().map(finding)),
+                    Ok(scenario) => expects_nothing |= scenario.expectations.is_empty(),
+                }
+            }
+            findings
         }
     };
-    if let Err(error) = Baseline::read(&path_of(file)) {
-        let (file, line, message) = error.place();
-        findings.push(Finding { file, line, column: 1, message });
+    match Baseline::read(&path_of(file)) {
+        Err(error) => {
+            let (file, line, message) = error.place();
+            findings.push(Finding { file, line, column: 1, message });
+        }
+        Ok(None) if requires_expectations && expects_nothing => findings.push(Finding {
+            file: file.display().to_string(),
+            line: 1,
+            column: 1,
+            message: "nothing is expected of it; give it an [[expect]], or a baseline by --update".to_owned(),
+        }),
+        Ok(_) => {}
     }
     findings
 }

@@ -99,7 +99,7 @@ fn a_capture_that_breaks_off_shows_its_packets_and_ends_with_an_error() {
     pcapng::append_packet(&mut capture, 0, Direction::HostToDrive, &example_frames()[1]);
     let output = lashloop(&["decode", "-"], &capture[..capture.len() - 3]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stdout).contains("Hello") && text(&output.stdout).contains("1 messages"));
+    assert!(text(&output.stdout).contains("Hello") && text(&output.stdout).contains("1 message;"));
     let report = text(&output.stderr);
     assert!(report.contains("breaks off within a block, after packet 1"), "{report}");
 }

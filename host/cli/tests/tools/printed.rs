@@ -55,11 +55,11 @@ fn the_version_has_the_build() {
 #[test]
 fn a_pass_of_a_run_of_which_nothing_was_expected_says_so() {
     let printed = run(&[], None);
-    let note = "\nnote   nothing was expected: no [[expect]] judges the drive\n";
+    let note = "\nnote   no [[expect]] judges the drive\n";
     assert!(text(&printed.stdout).contains(note), "{}", text(&printed.stdout));
     let expects = "expect=[{ metric = 'peak_torque_nm', unit = 'N m', max = 20.0 }]";
     let printed = run(&["--set", expects], None);
-    assert!(!text(&printed.stdout).contains("nothing was expected"), "{}", text(&printed.stdout));
+    assert!(!text(&printed.stdout).contains("nothing expected"), "{}", text(&printed.stdout));
 }
 
 /// The exit code of a command, and its errors.
@@ -100,6 +100,9 @@ fn a_suite_refuses_cases_of_which_nothing_is_expected_if_it_is_asked_to() {
     let (code, table) = suite(&["--require-expectations"]);
     assert!(code == Some(2) && table.contains("1 PASS, 0 FAIL, 0 INVALID, 1 ERROR"), "{table}");
     assert!(table.contains("bare.toml: nothing is expected of it; give it an [[expect]]"), "{table}");
+    let (code, table) = suite(&["--require-expectations", "--dry-run"]);
+    assert!(code == Some(2) && table.contains("bare.toml:1:1: nothing is expected of it"), "{table}");
+    assert_eq!(suite(&["--dry-run"]), (Some(0), String::new()));
 }
 
 #[test]

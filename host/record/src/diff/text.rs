@@ -3,7 +3,7 @@
 use std::fmt;
 
 use lashloop_bench::text_table::aligned;
-use lashloop_session::printable;
+use lashloop_session::{counted, printable};
 use serde::Serialize as _;
 
 use super::comparison::{Agreement, Comparison, RecordHead};
@@ -64,7 +64,8 @@ impl Comparison {
             let end = head.end.as_ref().and_then(RunEnd::early).map(|end| format!(" ({end})"));
             let RecordHead { name, rows, scenario, started, .. } = head;
             let end = end.unwrap_or_default();
-            let line = format!("{letter}  {name}: {verdict}{end}; {rows} rows; {scenario}; {started}");
+            let rows = counted(*rows as u64, "row");
+            let line = format!("{letter}  {name}: {verdict}{end}; {rows}; {scenario}; {started}");
             writeln!(out, "{}", printable(&line))?;
         }
         Ok(())
