@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lashloop_session::counted;
 use serde::{Deserialize, Serialize};
 
 use super::quantiles::{Durations, Quantiles};
@@ -151,7 +152,7 @@ impl fmt::Display for TimingReport {
     /// A table on several lines.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { clock, period_us, steps, unanswered, missed, longest_run_of_late, .. } = self;
-        write!(out, "{clock}, period {period_us} us, {steps} steps")?;
+        write!(out, "{clock}, period {period_us} us, {}", counted((*steps).into(), "step"))?;
         if self.warm_up_steps > 0 {
             write!(out, " after {} of warm-up", self.warm_up_steps)?;
         }
