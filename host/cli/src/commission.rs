@@ -217,8 +217,11 @@ impl Arguments {
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
         drop(signals);
-        let Commissioned { identified, breakaway, .. } = commissioned.map_err(failed)?;
+        let Commissioned { identified, breakaway, held_nm, .. } = commissioned.map_err(failed)?;
         let (forward_nm, backward_nm) = (breakaway.forward_nm, breakaway.backward_nm);
+        if held_nm != 0.0 {
+            outln!("held torque          {held_nm:.4} N m: the drive train rests under it");
+        }
         outln!(
             "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
         );

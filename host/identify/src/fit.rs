@@ -9,13 +9,17 @@ use crate::noise::QUANTISATION;
 use crate::normal::{Errors, Normal};
 use crate::parameters::{COUNT, Parameter};
 use crate::problem::{OWN, Point, Problem};
-use crate::replay::Substeps;
+use crate::replay::{Prediction, Substeps};
 
 /// Dampings that are tried in an iteration.
 const TRIES: usize = 8;
 /// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
 const CONVERGED: f64 = 1e-4;
 const SETTLED: f64 = 1e-2;
+/// The same of a coarse fit, and of two iterations in a row of one that doesn't follow: where the motor sticks, a fit can creep for
+/// long and gain nothing.
+const CONVERGED_COARSE: f64 = 3e-3;
+const CREEPS: f64 = 1e-3;
 /// Steps of the differences that follow where the usual ones gain no more and the residuals aren't those of the counts, in
 /// usual ones: where the motor is about to stick or to leave a dent, the least difference shows another motion.
 const OTHER_STEPS: [f64; 3] = [-1.0, 10.0, -10.0];
@@ -162,7 +166,13 @@ impl Problem<'_> {
         let mut damping = 1e-3;
         let mut last = None;
         let mut others = OTHER_STEPS.into_iter();
-        let mut wider = 1.0;
+        let (mut wider, mut before) = (1.0, f64::INFINITY);
+        let converged = if self.substeps == Substeps::Coarse { CONVERGED_COARSE } else { CONVERGED };
+        let noise_counts = self.motions.first().map_or(0.0, |motion| motion.noise_counts);
+        let is_near = |point: &Point, predictions: &[Prediction]| {
+            let residual_counts = [0, 1].map(|encoder| self.root_mean_square(point, predictions, encoder));
+            self.substeps != Substeps::Coarse && follows(residual_counts, [0.0; 2], noise_counts)
+        };
         for _ in 0..iterations {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
@@ -184,9 +194,11 @@ impl Problem<'_> {
             }
             // The normal equations barely change over such a step, and they are most of the work.
             last = (gained < SETTLED && wider == 1.0).then_some(normal);
-            if gained >= CONVERGED {
+            if gained >= converged && (is_near(&point, &predictions) || gained.max(before) >= CREEPS) {
+                before = gained;
                 continue;
             }
+            before = f64::INFINITY;
             let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
             let Some(other) = others.next().filter(|_| self.doubt(residual_counts, [0.0; 2]) > 1.0) else {
                 break;

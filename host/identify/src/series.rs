@@ -64,7 +64,11 @@ impl Instruments {
     }
 }
 
-/// One motion that begins at rest, without torque on the motor.
+/// Time for which a torque at the start holds the drive train, in s, and the counts by which noise moves the load in it.
+const HELD_S: f64 = 0.2;
+const HELD_COUNTS: i64 = 6;
+
+/// One motion that begins at rest: without torque on the motor, or under the torque that holds the drive train.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     period_us: u32,
@@ -152,6 +156,15 @@ impl Series {
     #[must_use]
     pub fn torque_nm(&self) -> &[f64] {
         &self.torque_nm
+    }
+
+    /// The torque that holds the drive train at rest at the start, in N m; 0 if the load moves or the torque changes at once.
+    pub(crate) fn held_nm(&self) -> f64 {
+        let rest = ((HELD_S / self.period_s()) as usize).clamp(2, self.torque_nm.len());
+        let (first_nm, first) = (self.torque_nm[0], self.load_counts[0]);
+        let is_held = self.torque_nm[..rest].iter().all(|it| *it == first_nm)
+            && self.load_counts[..rest].iter().all(|it| (it - first).abs() <= HELD_COUNTS);
+        if is_held { first_nm } else { 0.0 }
     }
 
     /// Readings of the motor encoder.

@@ -9,7 +9,7 @@ use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{RunMode, Scenario, ScenarioErrors};
 use lashloop_identify::electrical::StageTrip;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Noisy, Peaks, PlannedMotion};
-use lashloop_identify::{Direction, Instruments};
+use lashloop_identify::{Direction, Instruments, SeriesError};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
@@ -89,8 +89,15 @@ impl DriveTrain for OnDevice<'_> {
         if ran.halt.is_none() && ran.end != End::Complete {
             return Err(MotionError::Ended { motion: motion.name.clone(), end: ran.end.to_string() });
         }
-        let series = series(&ran.columns, &self.instruments, ran.mode, ran.in_force)
-            .map_err(|source| MotionError::Series { motion: motion.name.clone(), source })?;
+        let motion = motion.name.clone();
+        let series = match (series(&ran.columns, &self.instruments, ran.mode, ran.in_force), ran.halt) {
+            (Ok(series), _) => series,
+            // A limit is the cause of a motion that is too short.
+            (Err(NoSeries::Series(SeriesError::Short { .. })), Some(Halt::Exceeded(exceeded))) => {
+                return Err(MotionError::Ended { motion, end: exceeded.to_string() });
+            }
+            (Err(source), _) => return Err(MotionError::Series { motion, source }),
+        };
         Ok(Some(Made { series, halt: ran.halt, peaks: ran.peaks }))
     }
 }

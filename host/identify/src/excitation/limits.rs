@@ -73,8 +73,11 @@ impl fmt::Display for Noisy {
     }
 }
 
-/// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
-pub(crate) const REST_S: f64 = 0.05;
+/// Time at the start of a motion, without torque or under that which holds the drive train, in which it has to be at rest, in s: long
+/// enough for a load that creeps to show it.
+pub(crate) const REST_S: f64 = 0.3;
+/// Time of it that doesn't count for a drive train that is held, in s: until the torque arrives, an offset moves the motor.
+const ARRIVES_S: f64 = 0.06;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -114,6 +117,8 @@ pub struct Guard {
 #[derive(Debug, Clone)]
 struct Rest {
     samples: usize,
+    /// First samples that don't count.
+    arrives: usize,
     noise_counts: f64,
     counts: [Vec<f64>; 2],
 }
@@ -121,7 +126,7 @@ struct Rest {
 impl Rest {
     fn new(period_s: f64, noise_counts: f64) -> Self {
         let samples = ((REST_S / period_s).floor() as usize).max(3);
-        Self { samples, noise_counts, counts: Default::default() }
+        Self { samples, arrives: 0, noise_counts, counts: Default::default() }
     }
 
     /// Takes the counts of a sample. Why the motion can't begin; `Some(None)` at rest, `None` as long as the time lasts.
@@ -136,11 +141,12 @@ impl Rest {
 
     fn judge(&self) -> Option<Halt> {
         let is_noisy = self.noise_counts > 0.0;
-        if !self.counts.iter().all(|counts| is_still(counts, is_noisy)) {
+        let counts = self.counts.each_ref().map(|counts| &counts[self.arrives..]);
+        if !counts.iter().all(|counts| is_still(counts, is_noisy)) {
             return Some(Halt::NotAtRest);
         }
         let explained = EDGE_COUNTS.hypot(UNSTATED * self.noise_counts / 3.0_f64.sqrt());
-        ["motor", "load"].into_iter().zip(&self.counts).find_map(|(encoder, counts)| {
+        ["motor", "load"].into_iter().zip(counts).find_map(|(encoder, counts)| {
             let jitter = jitter_of_edges(counts);
             let (shown_counts, stated_counts) = (jitter * 3.0_f64.sqrt(), self.noise_counts);
             (jitter > explained).then_some(Halt::Noisy(Noisy { encoder, shown_counts, stated_counts }))
@@ -207,6 +213,15 @@ impl Guard {
     #[must_use]
     pub(crate) fn without_rest(self) -> Self {
         Self { rest: None, ..self }
+    }
+
+    /// The same guard of a motion that begins under a torque that holds the drive train.
+    #[must_use]
+    pub(crate) fn held(mut self) -> Self {
+        if let Some(rest) = &mut self.rest {
+            rest.arrives = (ARRIVES_S / self.period_s) as usize;
+        }
+        self
     }
 
     /// A guard that never halts, for records and models.

@@ -1,6 +1,8 @@
-//! The motions of a commissioning as torques over time. Every one begins and ends without torque.
+//! The motions of a commissioning as torques over time. Every one begins and ends without torque, or under the one that
+//! holds the drive train.
 
 use super::limits::REST_S;
+use crate::series::Series;
 
 /// Duration of a ramp until the torque limit, in s.
 const RAMP_S: f64 = 3.0;
@@ -48,6 +50,12 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
     let torque = |at: usize| sign * limit_nm * RAMP_FROM.powf(1.0 - (at + 1) as f64 / samples as f64);
     let name = if sign < 0.0 { "breakaway-backward" } else { "breakaway-forward" };
     PlannedMotion::from_rest(name.to_owned(), (0..samples).map(torque), period_s)
+}
+
+/// A constant torque from wherever the drive train is. The first one is none.
+pub(super) fn held(torque_nm: f64, number: u32, duration_s: f64, period_s: f64) -> PlannedMotion {
+    let samples = ((duration_s / period_s).ceil() as usize).max(Series::SAMPLES_MIN);
+    PlannedMotion { name: format!("rest-{number}"), torque_nm: vec![torque_nm; samples], twist_rad: None }
 }
 
 /// A reversal within breakaway, then one beyond it. Half cosines leave the motor's swing on the shaft small.
