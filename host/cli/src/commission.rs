@@ -31,7 +31,7 @@ use lashloop::rig::{Rig, TakenRig};
 use lashloop_hardware::commission::{
     MotionError, OnDevice, RecordError, RunRecord, set_pin, settings, stated,
 };
-use lashloop_hardware::identify::files::{DriveUse, INSTRUMENTS_FILE, motor_toml, table};
+use lashloop_hardware::identify::files::{DriveUse, GivenOfMotion, INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use lashloop_hardware::identify::reach::{self, FirstReach};
 
@@ -373,7 +373,8 @@ fn encoders_of(rig: &Rig) -> Vec<String> {
 
 /// Completes the record of a motion, with the facts that `identify` needs.
 fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> Result<(), RecordError> {
-    let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
+    let given = GivenOfMotion { instruments: *known, held: run.held };
+    let known = serde_json::to_string_pretty(&given).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = Summary::new(run.scenario, run.device, run.outcome);

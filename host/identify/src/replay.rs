@@ -49,7 +49,7 @@ pub(crate) struct Motion {
     /// the number of its kind.
     pub(crate) altered: Vec<Altered>,
     pub(crate) torque_nm: Vec<f64>,
-    /// Torque that holds the drive train at the start.
+    /// Torque that holds the drive train before the first sample.
     pub(crate) held_nm: f64,
     /// Counts of motor and load since the first sample.
     pub(crate) counts: [Vec<f64>; 2],
@@ -190,7 +190,12 @@ impl Motion {
         // The cogging at the recorded angles changes with every step.
         let parts = if at_recorded { steps } else { 1 };
         let plant = plant.plant(steps.div_ceil(parts)).ok()?;
-        let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
+        let start = Start::at_rest(load_rad, motor_rad);
+        let mut plant = if self.held_nm == 0.0 {
+            RunningPlant::released(plant, start)
+        } else {
+            plant.released_under(start, self.held_nm)
+        };
         let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
         for (at, held) in held.iter().enumerate() {
             let positions = lashloop_plant::Plant::positions(&plant);
@@ -296,6 +301,9 @@ fn altered(series: &Series, instruments: &Instruments) -> Vec<Altered> {
 
 fn held(series: &Series, delay_us: u32, torque_nm: impl Fn(f64) -> f64) -> Held {
     let mut delay = TransportDelay::new(delay_us, series.period_us());
+    // What holds the drive train has arrived before the first sample.
+    let before = if series.held_nm() == 0.0 { 0 } else { delay_us.div_ceil(series.period_us()) };
+    (0..before).for_each(|_| delay.step(torque_nm(series.held_nm())).for_each(drop));
     series.torque_nm().iter().map(|&commanded_nm| delay.step(torque_nm(commanded_nm)).collect()).collect()
 }
 

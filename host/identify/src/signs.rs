@@ -66,7 +66,7 @@ pub fn directions(series: &[Series]) -> Directions {
 }
 
 /// Work of the torques in N m counts, by blocks: a loop answers the jitter of single counts with torques against it, a
-/// period or two late. The torque that holds the drive train at first only balances what would move it.
+/// period or two late. The torque that holds the drive train only balances what would move it.
 fn work_nm_counts(series: &Series, counts: &[i64]) -> f64 {
     let block = ((BLOCK_S / series.period_s()).round() as usize).max(1);
     let (last, held_nm) = (counts.len() - 1, series.held_nm());

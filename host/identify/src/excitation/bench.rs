@@ -1,9 +1,9 @@
 //! A drive train that makes motions, and how each of them is limited and repeated.
 
-use super::limits::{Exceeded, Guard, Halt, Limits, Peaks, REST_S};
+use super::limits::{Exceeded, Guard, HELD_REST_S, Halt, LEAD_IN_S, Limits, Peaks, REST_S};
 use super::motions::PlannedMotion;
 use crate::identify::IdentifyError;
-use crate::series::{Instruments, Series};
+use crate::series::{Held, Instruments, Series, SeriesError};
 use crate::signs::Directions;
 
 /// Fraction of the torque limit up to which the motions of the fit go: an amplifier that saturates at the limit takes its offset
@@ -65,6 +65,26 @@ pub enum CommissioningError<E> {
         torque_nm: f64,
         /// Largest excursion of the motor.
         motor_counts: i64,
+    },
+    /// What a motion shows is too short.
+    #[error("{motion}: {source}")]
+    Series {
+        /// The motion.
+        motion: String,
+        /// What it lacks.
+        source: SeriesError,
+    },
+    /// A limit is exceeded without a torque, or under one against the motion.
+    #[error(
+        "{motion}: {exceeded} under {torque_nm} N m: an offset of the torque or a weight drives the load; take the offset away, balance the          load, or raise the limit if the machine bears more"
+    )]
+    RunsAway {
+        /// The motion.
+        motion: String,
+        /// The limit.
+        exceeded: Exceeded,
+        /// The torque that was held.
+        torque_nm: f64,
     },
     /// The drive train doesn't come to rest.
     #[error(
@@ -132,25 +152,31 @@ impl<T: DriveTrain> Bench<'_, T> {
         load_counts: Option<i64>,
     ) -> Result<Made, CommissioningError<T::Error>> {
         let coasts_s = if load_counts.is_some() { COASTS_BEFORE_RAMP_S } else { COASTS_S };
-        let attempts = (coasts_s / REST_S) as u32;
+        let held = (self.held_nm != 0.0).then_some(Held { torque_nm: self.held_nm, lead_in_s: LEAD_IN_S });
+        let rest_s = held.map_or(REST_S, |it| it.lead_in_s + HELD_REST_S);
+        let attempts = (coasts_s / rest_s) as u32;
         let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
-        let guard = if self.held_nm == 0.0 { guard } else { guard.held() };
+        let guard = if held.is_some() { guard.held() } else { guard };
         // A ramp ends with the motion of the load, and isn't part of the fit.
         let is_ramp = load_counts.is_some();
         let limit_nm = if is_ramp { self.limits.torque_nm } else { HEADROOM * self.limits.torque_nm };
         let limited_nm = |it: &f64| (self.held_nm + it).clamp(-limit_nm, limit_nm);
-        let torque_nm: Vec<f64> = motion.torque_nm.iter().map(limited_nm).collect();
+        // The motion has its time at rest without torque, and more of it while it is held.
+        let longer = std::iter::repeat_n(&0.0, ((rest_s - REST_S) / self.period_s).round() as usize);
+        let torque_nm: Vec<f64> = longer.chain(&motion.torque_nm).map(limited_nm).collect();
         let twist_rad = self.explained_twist_rad(&torque_nm);
-        let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad };
+        let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad, held };
         let motion = motion.name.clone();
         for _ in 0..attempts {
             let made = self.drive_train.make(&limited, guard.clone()).map_err(CommissioningError::Motion)?;
-            let Some(made) = made else { continue };
-            self.origin.get_or_insert(made.series.load_counts()[0]);
-            return match made.halt {
-                Some(Halt::Exceeded(exceeded)) => Err(CommissioningError::Exceeded { motion, exceeded }),
-                _ => Ok(made),
-            };
+            let Some(Made { series, halt, peaks }) = made else { continue };
+            self.origin.get_or_insert(series.load_counts()[0]);
+            if let Some(Halt::Exceeded(exceeded)) = halt {
+                return Err(CommissioningError::Exceeded { motion, exceeded });
+            }
+            let series = held.map_or(Ok(series.clone()), |held| series.held(held));
+            let series = series.map_err(|source| CommissioningError::Series { motion, source })?;
+            return Ok(Made { series, halt, peaks });
         }
         Err(CommissioningError::NotAtRest { motion, attempts })
     }

@@ -57,7 +57,7 @@ impl<T: DriveTrain> Bench<'_, T> {
         };
         self.origin.get_or_insert(series.load_counts()[0]);
         if let Some(Halt::Exceeded(exceeded)) = halt {
-            return Err(CommissioningError::Exceeded { motion: motion.name, exceeded });
+            return Err(CommissioningError::RunsAway { motion: motion.name, exceeded, torque_nm });
         }
         let edge_counts = 1.0 + 2.0 * self.instruments.noise_counts;
         Ok(Drift::new([series.motor_counts(), series.load_counts()], edge_counts))
@@ -135,7 +135,7 @@ impl<T: DriveTrain> Bench<'_, T> {
                 }
                 Ok(Some(_)) => {}
                 // What the ramps have measured holds without it.
-                Err(CommissioningError::Exceeded { .. }) => break,
+                Err(CommissioningError::RunsAway { .. }) => break,
                 Err(error) => return Err(error),
             }
         }
