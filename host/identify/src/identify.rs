@@ -14,6 +14,8 @@ use crate::signs::{Direction, directions};
 use crate::staged::{self, Begin};
 
 const ITERATIONS: usize = 40;
+/// Of a fit for the estimates, which may follow a valley for long.
+const ITERATIONS_OF_ESTIMATE: usize = 80;
 const RESTARTS: usize = 2;
 /// Counts of the cogging per turn that a fit is made with.
 const CANDIDATES: usize = 5;
@@ -219,15 +221,18 @@ fn finished<'a>(problem: impl Fn(Substeps) -> Problem<'a>, point: &Point, noise_
     if finest.as_ref().is_some_and(|it| it.is_followed(noise_counts)) {
         return finest;
     }
-    let recorded = problem(Substeps::Recorded).fit(point.clone(), ITERATIONS);
+    let recorded = problem(Substeps::Recorded).fit(point.clone(), ITERATIONS_OF_ESTIMATE);
     [finest, recorded].into_iter().flatten().chain([fit]).min_by(|a, b| a.squares().total_cmp(&b.squares()))
 }
 
 /// The fit with motions that may begin in other dents of the cogging.
 fn dented(fine: &Problem, point: &Point) -> Option<Fit> {
-    let mut fit = fine.fit(point.clone(), ITERATIONS)?;
+    let mut fit = fine.fit(point.clone(), ITERATIONS_OF_ESTIMATE)?;
     for _ in 0..DENTS {
-        let Some(other) = fine.other_rests(&fit.point).and_then(|it| fine.fit(it, ITERATIONS)) else { break };
+        let Some(other) = fine.other_rests(&fit.point).and_then(|it| fine.fit(it, ITERATIONS_OF_ESTIMATE))
+        else {
+            break;
+        };
         if other.squares() >= fit.squares() {
             break;
         }

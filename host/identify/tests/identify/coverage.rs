@@ -131,8 +131,7 @@ fn truth_is_within_the_interval_with_errors_of_torque_and_encoders() {
         "identification-errors.txt",
         &format!("identification with errors of torque and encoders, {coverage}"),
     );
-    // Intervals of one plant miss together, so of six plants fewer than 95 % may hold the truth; of 12 it is 96 %.
-    assert!(coverage.fraction() >= 0.93, "{coverage}");
+    assert!(coverage.fraction() >= 0.95, "{coverage}");
     assert!(coverage.follows(), "{coverage}");
 }
 
