@@ -24,8 +24,8 @@ const CREEPS: f64 = 1e-3;
 /// Steps of the differences, in usual ones, that follow where the usual ones to either side gain no more and the residuals aren't those
 /// of the counts: where the motor is about to stick or to leave a dent, the least difference shows another motion.
 const OTHER_STEPS: [f64; 2] = [10.0, -10.0];
-/// Doublings of a step that are tried.
-const FARTHER: usize = 8;
+/// Doublings of a step that are tried near the record.
+const FARTHER: usize = 7;
 /// Largest step of an element of the vector.
 const STEP_MAX: f64 = 0.7;
 
@@ -163,7 +163,8 @@ impl Problem<'_> {
         1.0 + DOUBT * excess[0].max(excess[1]).sqrt()
     }
 
-    /// The point after a damped step, as far along it as the cost falls, with what it has less of the cost. Damping that a step across
+    /// The point after a damped step, as far along it as the cost falls, by up to `farther` doublings, with what it has less of the
+    /// cost. Damping that a step across
     /// a valley needs makes those along it short.
     fn less(
         &self,
@@ -171,12 +172,12 @@ impl Problem<'_> {
         normal: &Normal,
         damping: f64,
         noise: &Noise,
-        cost: f64,
+        (cost, farther): (f64, usize),
     ) -> Option<(Point, Vec<Prediction>, f64)> {
         let mut step = self.step(point, normal, damping)?;
         let mut farthest = None;
         let mut least = 0.0;
-        for _ in 0..FARTHER {
+        for _ in 0..=farther {
             let next = self.moved(point, &step);
             let Some(tried) = self.predict(&next) else { break };
             let less = cost - self.cost(&next, &tried, noise);
@@ -210,9 +211,13 @@ impl Problem<'_> {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
             let normal = self.normal_with(&point, &predictions, &noise, Errors::Counts, wider)?;
+            // Far from the record the linear equations know too little of the way.
+            let farther = if is_near(&point, &predictions) { FARTHER } else { 0 };
             let mut gained = 0.0;
             for _ in 0..TRIES {
-                if let Some((next, tried, less)) = self.less(&point, &normal, damping, &noise, cost) {
+                if let Some((next, tried, less)) =
+                    self.less(&point, &normal, damping, &noise, (cost, farther))
+                {
                     gained = less / cost;
                     (point, predictions) = (next, tried);
                     damping = (damping * 0.1).max(1e-9);

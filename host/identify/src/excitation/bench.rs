@@ -1,6 +1,6 @@
 //! A drive train that makes motions, and how each of them is limited and repeated.
 
-use super::limits::{Exceeded, Guard, HELD_REST_S, Halt, LEAD_IN_S, Limits, Peaks, REST_S};
+use super::limits::{Exceeded, Guard, Halt, LEAD_IN_S, LONG_REST_S, Limits, Peaks, REST_S};
 use super::motions::PlannedMotion;
 use crate::identify::IdentifyError;
 use crate::series::{Held, Instruments, Series, SeriesError};
@@ -12,6 +12,8 @@ const HEADROOM: f64 = 0.95;
 /// Time in which a drive train comes to rest before a motion, and before a ramp, in s.
 const COASTS_S: f64 = 15.0;
 const COASTS_BEFORE_RAMP_S: f64 = 5.0;
+/// Part of that time in which a drive train that creeps has to be at rest for longer. Some never are: a count in that time.
+const PATIENCE: f64 = 0.5;
 /// Excess of the twist that is explained over the one that is expected.
 const TWIST_MARGIN: f64 = 2.0;
 
@@ -152,24 +154,30 @@ impl<T: DriveTrain> Bench<'_, T> {
         load_counts: Option<i64>,
     ) -> Result<Made, CommissioningError<T::Error>> {
         let coasts_s = if load_counts.is_some() { COASTS_BEFORE_RAMP_S } else { COASTS_S };
-        let held = (self.held_nm != 0.0).then_some(Held { torque_nm: self.held_nm, lead_in_s: LEAD_IN_S });
-        let rest_s = held.map_or(REST_S, |it| it.lead_in_s + HELD_REST_S);
-        let attempts = (coasts_s / rest_s) as u32;
         let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
-        let guard = if held.is_some() { guard.held() } else { guard };
         // A ramp ends with the motion of the load, and isn't part of the fit.
         let is_ramp = load_counts.is_some();
         let limit_nm = if is_ramp { self.limits.torque_nm } else { HEADROOM * self.limits.torque_nm };
         let limited_nm = |it: &f64| (self.held_nm + it).clamp(-limit_nm, limit_nm);
-        // The motion has its time at rest without torque, and more of it while it is held.
-        let longer = std::iter::repeat_n(&0.0, ((rest_s - REST_S) / self.period_s).round() as usize);
-        let torque_nm: Vec<f64> = longer.chain(&motion.torque_nm).map(limited_nm).collect();
-        let twist_rad = self.explained_twist_rad(&torque_nm);
-        let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad, held };
-        let motion = motion.name.clone();
-        for _ in 0..attempts {
-            let made = self.drive_train.make(&limited, guard.clone()).map_err(CommissioningError::Motion)?;
+        let mut attempts = 0;
+        let mut waited_s = 0.0;
+        while waited_s < coasts_s {
+            let is_patient = waited_s < PATIENCE * coasts_s;
+            let (held, rest_s) = self.begin(is_patient);
+            let guard = match held {
+                Some(_) if self.held_nm != 0.0 => guard.clone().held(),
+                Some(_) => guard.clone().patient(),
+                None => guard.clone(),
+            };
+            // The motion has the shorter time at rest.
+            let longer = std::iter::repeat_n(&0.0, ((rest_s - REST_S) / self.period_s).round() as usize);
+            let torque_nm: Vec<f64> = longer.chain(&motion.torque_nm).map(limited_nm).collect();
+            let twist_rad = self.explained_twist_rad(&torque_nm);
+            let planned = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad, held };
+            let made = self.drive_train.make(&planned, guard).map_err(CommissioningError::Motion)?;
+            (attempts, waited_s) = (attempts + 1, waited_s + rest_s);
             let Some(Made { series, halt, peaks }) = made else { continue };
+            let motion = planned.name;
             self.origin.get_or_insert(series.load_counts()[0]);
             if let Some(Halt::Exceeded(exceeded)) = halt {
                 return Err(CommissioningError::Exceeded { motion, exceeded });
@@ -178,7 +186,17 @@ impl<T: DriveTrain> Bench<'_, T> {
             let series = series.map_err(|source| CommissioningError::Series { motion, source })?;
             return Ok(Made { series, halt, peaks });
         }
-        Err(CommissioningError::NotAtRest { motion, attempts })
+        Err(CommissioningError::NotAtRest { motion: motion.name.clone(), attempts })
+    }
+
+    /// How a motion begins, and its time at rest with the lead-in. The fit gets the end of that time alone, where the load creeps least.
+    fn begin(&self, is_patient: bool) -> (Option<Held>, f64) {
+        let held = |lead_in_s: f64| Some(Held { torque_nm: self.held_nm, lead_in_s });
+        match self.held_nm {
+            0.0 if is_patient => (held(LONG_REST_S - REST_S), LONG_REST_S),
+            0.0 => (None, REST_S),
+            _ => (held(LEAD_IN_S), LEAD_IN_S + LONG_REST_S),
+        }
     }
 
     /// The shaft winds in proportion to the torque. Where the direction of an encoder is reversed, travel of the load

@@ -75,8 +75,9 @@ impl fmt::Display for Noisy {
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
 pub(crate) const REST_S: f64 = 0.05;
-/// The same under a torque that holds the drive train, in s: long enough for a load that creeps to show it.
-pub(crate) const HELD_REST_S: f64 = 0.3;
+/// The same where there is time to wait, and under a torque that holds the drive train, in s: long enough for a load that creeps to show
+/// it.
+pub(crate) const LONG_REST_S: f64 = 0.3;
 /// Time before that in which the torque arrives and the drive train comes to rest under it, in s: without the torque an offset has
 /// moved it.
 pub(crate) const LEAD_IN_S: f64 = 0.3;
@@ -224,7 +225,14 @@ impl Guard {
     /// The same guard of a motion that begins under a torque that holds the drive train.
     #[must_use]
     pub(crate) fn held(self) -> Self {
-        let rest = self.rest.map(|it| Rest::new(LEAD_IN_S, HELD_REST_S, self.period_s, it.noise_counts));
+        let rest = self.rest.map(|it| Rest::new(LEAD_IN_S, LONG_REST_S, self.period_s, it.noise_counts));
+        Self { rest, ..self }
+    }
+
+    /// The same guard of a motion that begins with the longer time at rest.
+    #[must_use]
+    pub(crate) fn patient(self) -> Self {
+        let rest = self.rest.map(|it| Rest::new(0.0, LONG_REST_S, self.period_s, it.noise_counts));
         Self { rest, ..self }
     }
 
@@ -324,6 +332,25 @@ mod tests {
         assert_eq!((noisy.encoder, noisy.stated_counts), ("load", 0.0));
         assert!((1.5..4.0).contains(&noisy.shown_counts), "{noisy}");
         assert_eq!(halt([2, -1, 1, -2, 0], 2.0), None);
+    }
+
+    /// A load that moves by a count each period up to this time, under a torque that holds it.
+    fn halt_of_held(moves_s: f64) -> Option<Halt> {
+        let limits = Limits {
+            torque_nm: 1.0,
+            motor_speed_rad_s: 100.0,
+            load_speed_rad_s: 100.0,
+            load_travel_rad: 1.0,
+        };
+        let mut guard = Guard::new(limits, &Instruments::exact(4000, 4000, 0), 1e-3, None, Some(4)).held();
+        let (moves, samples) = ((moves_s * 1e3) as i64, ((LEAD_IN_S + LONG_REST_S) * 1e3) as i64);
+        (0..samples).find_map(|at| guard.check(7, at.min(moves)))
+    }
+
+    #[test]
+    fn a_held_load_may_move_in_the_lead_in_and_not_after_it() {
+        assert_eq!(halt_of_held(LEAD_IN_S - 0.01), None);
+        assert_eq!(halt_of_held(LEAD_IN_S + 0.05), Some(Halt::NotAtRest));
     }
 
     #[test]

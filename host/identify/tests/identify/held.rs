@@ -1,7 +1,7 @@
 //! A drive train that an offset of the torque moves.
 
-use lashloop_identify::Start;
 use lashloop_identify::excitation::{Limits, commission};
+use lashloop_identify::{Held, Series, SeriesError, Start};
 use lashloop_plant::backlash_shaft::StribeckParameters;
 
 use crate::hidden_plants::HiddenPlant;
@@ -58,4 +58,29 @@ fn a_drive_train_that_rests_is_not_held() {
     let instruments = plant.instruments();
     let found = commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
     assert_eq!(found.expect("estimates").held_nm, 0.0);
+}
+
+/// A drive without a command gives no torque, so its offset moves the drive train from one motion to the next.
+#[test]
+fn what_an_offset_moves_between_the_motions_is_not_part_of_them() {
+    let mut plant = plant(0.1);
+    plant.between_s = 0.03;
+    let instruments = plant.instruments();
+    let found = commission(&mut plant, &instruments, &LIMITS, HiddenPlant::PERIOD_US, &Start::default());
+    let found = found.expect("estimates");
+    assert!((found.held_nm + OFFSET_NM).abs() < 0.1, "held at {} N m", found.held_nm);
+    assert!(found.identified.is_followed(), "{:?}", found.identified.residual_counts);
+    let offset = found.identified.quantity("torque_offset_nm").and_then(|it| it.estimate).expect("an offset");
+    assert!((offset.value - OFFSET_NM).abs() < 0.002, "{offset:?}");
+}
+
+#[test]
+fn a_held_series_begins_after_its_lead_in() {
+    let torque_nm: Vec<f64> = (0..300).map(f64::from).collect();
+    let counts: Vec<i64> = (0..300).collect();
+    let series = Series::new(1000, torque_nm, counts.clone(), counts).expect("a series");
+    let held = series.clone().held(Held { torque_nm: -0.2, lead_in_s: 0.1 }).expect("a series");
+    assert_eq!((held.torque_nm()[0], held.motor_counts()[0], held.load_counts().len()), (100.0, 100, 200));
+    let short = series.held(Held { torque_nm: -0.2, lead_in_s: 0.25 });
+    assert_eq!(short, Err(SeriesError::Short { samples: 50 }));
 }
