@@ -78,7 +78,8 @@ pub enum CommissioningError<E> {
     },
     /// A limit is exceeded without a torque, or under one against the motion.
     #[error(
-        "{motion}: {exceeded} under {torque_nm} N m: an offset of the torque or a weight drives the load; take the offset away, balance the          load, or raise the limit if the machine bears more"
+        "{motion}: {exceeded} under {torque_nm} N m: an offset of the torque or a weight drives the load; take the offset away, balance the \
+         load, or raise the limit if the machine bears more"
     )]
     RunsAway {
         /// The motion.
