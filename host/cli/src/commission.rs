@@ -31,7 +31,7 @@ use lashloop::rig::{Rig, TakenRig};
 use lashloop_hardware::commission::{
     MotionError, OnDevice, RecordError, RunRecord, set_pin, settings, stated,
 };
-use lashloop_hardware::identify::files::{DriveUse, INSTRUMENTS_FILE, motor_toml, table};
+use lashloop_hardware::identify::files::{DriveUse, GivenOfMotion, INSTRUMENTS_FILE, motor_toml, table};
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use lashloop_hardware::identify::reach::{self, FirstReach};
 
@@ -217,8 +217,11 @@ impl Arguments {
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
         drop(signals);
-        let Commissioned { identified, breakaway, .. } = commissioned.map_err(failed)?;
+        let Commissioned { identified, breakaway, held_nm, .. } = commissioned.map_err(failed)?;
         let (forward_nm, backward_nm) = (breakaway.forward_nm, breakaway.backward_nm);
+        if held_nm != 0.0 {
+            outln!("held torque          {held_nm:.4} N m: the drive train rests under it");
+        }
         outln!(
             "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
         );
@@ -370,7 +373,8 @@ fn encoders_of(rig: &Rig) -> Vec<String> {
 
 /// Completes the record of a motion, with the facts that `identify` needs.
 fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> Result<(), RecordError> {
-    let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
+    let given = GivenOfMotion { instruments: *known, held: run.held };
+    let known = serde_json::to_string_pretty(&given).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = Summary::new(run.scenario, run.device, run.outcome);

@@ -22,7 +22,8 @@ use super::options::plants;
 use super::output::{outln, prepare_folder, print_json, write_file};
 use lashloop::Bench;
 use lashloop_hardware::identify::files::{
-    DRIVE_FILE, DriveUse, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
+    DRIVE_FILE, DriveUse, ESTIMATES_FILE, GivenOfMotion, INSTRUMENTS_FILE, PLANT_FILE, drive_toml,
+    plant_toml, table,
 };
 use lashloop_hardware::identify::models::Simulator;
 use lashloop_hardware::identify::power_stage::{TORQUE_DELAY_US, instruments};
@@ -105,7 +106,7 @@ impl Arguments {
             .map(|folder| Ok((folder, Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
         let of_record = scenario(records[0].0, bench);
-        let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
+        let instruments = self.instruments(given(records[0].0).map(|it| it.instruments), &of_record)?;
         let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
         let simulator = self.to.map(Simulator::from);
         let is_table = !self.json && (simulator.is_none() || self.out.is_some());
@@ -122,7 +123,11 @@ impl Arguments {
             let Manifest { mode: of_record, parameters, .. } = &record.manifest;
             let choice = |name: &str| parameters.iter().find(|it| it.name == name)?.choice.clone();
             let in_force = directions_in_force(*of_record, choice);
-            motions.push(series(&record.trace, &instruments, *of_record, in_force).map_err(unfit)?);
+            let motion = series(&record.trace, &instruments, *of_record, in_force).map_err(unfit)?;
+            // A record that was held begins under the torque that it rests under.
+            let held = given(folder).and_then(|it| it.held);
+            let motion = held.map_or(Ok(motion.clone()), |held| motion.held(held));
+            motions.push(motion.map_err(|source| unfit(source.into()))?);
             if of_record.is_hil() {
                 of_drive.mode = *of_record;
             }
@@ -162,7 +167,7 @@ impl Arguments {
     /// What the options give, the rest from the file of a commissioning, else from the scenario of the record.
     fn instruments(
         &self,
-        file: &Path,
+        of_commissioning: Option<Instruments>,
         of_record: &Result<Scenario, String>,
     ) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
@@ -175,8 +180,7 @@ impl Arguments {
                 ..exact
             });
         }
-        let of_file = regular_file::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
-        let known = match (of_file, of_record) {
+        let known = match (of_commissioning, of_record) {
             (Some(known), _) => known,
             (None, Ok(scenario)) => {
                 instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US)
@@ -202,6 +206,11 @@ pub(super) fn encoder_noise(text: &str) -> Result<f64, String> {
         .contains(&counts)
         .then_some(counts)
         .ok_or_else(|| format!("{counts} is outside 0 to {MAX_NOISE_COUNTS}"))
+}
+
+/// What the commissioning that made a record has written into it.
+fn given(folder: &Path) -> Option<GivenOfMotion> {
+    serde_json::from_slice(&regular_file::read(&folder.join(INSTRUMENTS_FILE)).ok()?).ok()
 }
 
 /// The scenario of a record as it was resolved, or why there is none.

@@ -14,7 +14,7 @@ pub(crate) fn breakaway_nm(motions: &[Motion]) -> Option<f64> {
                 continue;
             }
             if at - since > rest {
-                found.push(motion.torque_nm[at - 1].abs());
+                found.push((motion.torque_nm[at - 1] - motion.held_nm).abs());
             }
             since = at;
         }

@@ -5,20 +5,27 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::noise::QUANTISATION;
+use crate::noise::{Noise, QUANTISATION};
 use crate::normal::{Errors, Normal};
 use crate::parameters::{COUNT, Parameter};
 use crate::problem::{OWN, Point, Problem};
-use crate::replay::Substeps;
+use crate::replay::{Prediction, Substeps};
 
-/// Dampings that are tried in an iteration.
-const TRIES: usize = 8;
+/// Damping of the first step, and dampings that are tried in an iteration.
+const DAMPING: f64 = 1e-3;
+const TRIES: usize = 12;
 /// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
 const CONVERGED: f64 = 1e-4;
 const SETTLED: f64 = 1e-2;
-/// Steps of the differences that follow where the usual ones gain no more and the residuals aren't those of the counts, in
-/// usual ones: where the motor is about to stick or to leave a dent, the least difference shows another motion.
-const OTHER_STEPS: [f64; 3] = [-1.0, 10.0, -10.0];
+/// The same of a coarse fit, and of two iterations in a row of one that doesn't follow: where the motor sticks, a fit can creep for
+/// long and gain nothing.
+const CONVERGED_COARSE: f64 = 3e-3;
+const CREEPS: f64 = 1e-3;
+/// Steps of the differences, in usual ones, that follow where the usual ones to either side gain no more and the residuals aren't those
+/// of the counts: where the motor is about to stick or to leave a dent, the least difference shows another motion.
+const OTHER_STEPS: [f64; 2] = [10.0, -10.0];
+/// Doublings of a step that are tried near the record.
+const FARTHER: usize = 7;
 /// Largest step of an element of the vector.
 const STEP_MAX: f64 = 0.7;
 
@@ -156,42 +163,86 @@ impl Problem<'_> {
         1.0 + DOUBT * excess[0].max(excess[1]).sqrt()
     }
 
+    /// The point after a damped step, as far along it as the cost falls, by up to `farther` doublings, with what it has less of the
+    /// cost. Damping that a step across
+    /// a valley needs makes those along it short.
+    fn less(
+        &self,
+        point: &Point,
+        normal: &Normal,
+        damping: f64,
+        noise: &Noise,
+        (cost, farther): (f64, usize),
+    ) -> Option<(Point, Vec<Prediction>, f64)> {
+        let mut step = self.step(point, normal, damping)?;
+        let mut farthest = None;
+        let mut least = 0.0;
+        for _ in 0..=farther {
+            let next = self.moved(point, &step);
+            let Some(tried) = self.predict(&next) else { break };
+            let less = cost - self.cost(&next, &tried, noise);
+            if less <= least {
+                break;
+            }
+            least = less;
+            farthest = Some((next, tried, less));
+            step *= 2.0;
+        }
+        farthest
+    }
+
     /// Fits from `point` on. `None` if the model can't be followed at the start.
     pub(crate) fn fit(&self, mut point: Point, iterations: usize) -> Option<Fit> {
         let mut predictions = self.predict(&point)?;
-        let mut damping = 1e-3;
+        let mut damping = DAMPING;
         let mut last = None;
         let mut others = OTHER_STEPS.into_iter();
-        let mut wider = 1.0;
+        let (mut wider, mut before) = (1.0, f64::INFINITY);
+        // How often in a row the fit has converged, with differences to the one side and to the other.
+        let mut sides = 0;
+        let mut first = None;
+        let converged = if self.substeps == Substeps::Coarse { CONVERGED_COARSE } else { CONVERGED };
+        let noise_counts = self.motions.first().map_or(0.0, |motion| motion.noise_counts);
+        let is_near = |point: &Point, predictions: &[Prediction]| {
+            let residual_counts = [0, 1].map(|encoder| self.root_mean_square(point, predictions, encoder));
+            self.substeps != Substeps::Coarse && follows(residual_counts, [0.0; 2], noise_counts)
+        };
         for _ in 0..iterations {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
             let normal = self.normal_with(&point, &predictions, &noise, Errors::Counts, wider)?;
+            // Far from the record the linear equations know too little of the way.
+            let farther = if is_near(&point, &predictions) { FARTHER } else { 0 };
             let mut gained = 0.0;
             for _ in 0..TRIES {
-                let next = self.step(&point, &normal, damping).map(|step| self.moved(&point, &step));
-                let tried = next.and_then(|next| Some((self.predict(&next)?, next)));
-                if let Some((tried, next)) = tried {
-                    let less = cost - self.cost(&next, &tried, &noise);
-                    if less > 0.0 {
-                        gained = less / cost;
-                        (point, predictions) = (next, tried);
-                        damping = (damping * 0.1).max(1e-9);
-                        break;
-                    }
+                if let Some((next, tried, less)) =
+                    self.less(&point, &normal, damping, &noise, (cost, farther))
+                {
+                    gained = less / cost;
+                    (point, predictions) = (next, tried);
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
                 }
                 damping *= 10.0;
             }
             // The normal equations barely change over such a step, and they are most of the work.
             last = (gained < SETTLED && wider == 1.0).then_some(normal);
-            if gained >= CONVERGED {
+            if gained >= converged && (is_near(&point, &predictions) || gained.max(before) >= CREEPS) {
+                (before, sides) = (gained, 0);
                 continue;
             }
+            before = f64::INFINITY;
+            sides += 1;
+            first.get_or_insert(point.vector);
             let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
-            let Some(other) = others.next().filter(|_| self.doubt(residual_counts, [0.0; 2]) > 1.0) else {
-                break;
+            let doubts = self.doubt(residual_counts, [0.0; 2]) > 1.0;
+            let other = if sides < 2 && (doubts || self.substeps != Substeps::Coarse) {
+                Some(-wider)
+            } else {
+                others.next().filter(|_| doubts)
             };
-            (wider, damping) = (other, 1e-3);
+            let Some(other) = other else { break };
+            (wider, damping) = (other, DAMPING);
         }
         let is_exact = self.motions.iter().all(|motion| motion.altered.is_empty());
         let normal = match last {
@@ -207,7 +258,14 @@ impl Problem<'_> {
         let per_turn = vec![point.vector.cogging_per_turn];
         let explained_counts = normal.explained_counts;
         let doubt = self.doubt(residual_counts, explained_counts);
-        let covariance = &inverse * &normal.scatter * &inverse * doubt.powi(2);
+        let mut covariance = &inverse * &normal.scatter * &inverse * doubt.powi(2);
+        // Where the motor sticks and lets go, differences to the one side lead to another point than those to the other.
+        let apart = |it: Parameter| first.map_or(0.0, |first| point.vector.get(it) - first.get(it));
+        for (i, left) in Parameter::ALL.into_iter().enumerate() {
+            for (j, right) in Parameter::ALL.into_iter().enumerate() {
+                covariance[(i, j)] += 0.5 * apart(left) * apart(right);
+            }
+        }
         Some(Fit { point, covariance, residual_counts, explained_counts, per_turn })
     }
 }

@@ -24,6 +24,9 @@ const TWISTS: i32 = 48;
 /// Logarithm of the widest gap of the grid over the narrowest; the widest is this fraction of what the motor moves.
 const GAP_RANGE: f64 = 4.0;
 const WIDEST: f64 = 0.95;
+/// Largest offset of the torque in the grid, as a fraction of the motion's largest torque; a larger one would take most of the
+/// friction in one direction.
+const OFFSET_MAX: f64 = 0.5;
 /// Every so many samples make a row of the grid, and of the ranking of the cogging.
 const SPARSE: usize = 4;
 const RANKED: usize = 2;
@@ -44,6 +47,7 @@ const HALF_GAP_MIN_RAD: f64 = 1e-3;
 
 /// Linear unknowns: J, f, F, o, tau, K and c.
 const LINEAR: usize = 7;
+const OFFSET: usize = 3;
 const STIFFNESS: usize = 5;
 const DAMPING: usize = 6;
 
@@ -76,19 +80,24 @@ pub(crate) fn free_body(motions: &[Motion], ratio: f64) -> Option<FreeBody> {
         rows as f64 / it.motion.samples() as f64
     };
     let first = (0..motions.len()).max_by(|&a, &b| share(&smooth[a]).total_cmp(&share(&smooth[b])))?;
-    let mut body = FreeBody::by_grid(&smooth[first], ratio)?;
+    [OFFSET_MAX, f64::INFINITY].into_iter().find_map(|offset_max| balanced(&smooth, first, ratio, offset_max))
+}
+
+/// The balance that begins with one motion, and with an offset up to this fraction of its largest torque.
+fn balanced(smooth: &[Smooth], first: usize, ratio: f64, offset_max: f64) -> Option<FreeBody> {
+    let mut body = FreeBody::by_grid(&smooth[first], ratio, offset_max)?;
     let twist_rad = body.twists_rad[0];
     let twist = |(index, it)| if index == first { twist_rad } else { body.twist(it) };
     body.twists_rad = smooth.iter().enumerate().map(twist).collect();
     for of in [Of::Still, Of::All] {
-        body.refine(&smooth, of, None)?;
+        body.refine(smooth, of, None)?;
     }
-    if !body.shows_both_flanks(&smooth) {
+    if !body.shows_both_flanks(smooth) {
         return None;
     }
-    let per_turn = body.ranked(&smooth)?.first()?.per_turn;
-    body.refine(&smooth, Of::All, Some(per_turn))?;
-    body.cogging = body.ranked(&smooth)?;
+    let per_turn = body.ranked(smooth)?.first()?.per_turn;
+    body.refine(smooth, Of::All, Some(per_turn))?;
+    body.cogging = body.ranked(smooth)?;
     Some(body)
 }
 
@@ -106,8 +115,11 @@ fn row(smooth: &Smooth, at: usize, wound_rad: f64, rate_rad_s: f64) -> [f64; LIN
 
 impl FreeBody {
     /// The best gap and twist of one motion while its load is still.
-    fn by_grid(smooth: &Smooth, ratio: f64) -> Option<Self> {
+    fn by_grid(smooth: &Smooth, ratio: f64, offset_max: f64) -> Option<Self> {
         let [low, high] = range(smooth);
+        // The motion begins at rest under its first torque.
+        let held_nm = smooth.motion.held_nm;
+        let peak_nm = smooth.motion.torque_nm.iter().fold(0.0_f64, |peak, it| peak.max((it - held_nm).abs()));
         let mut best: Option<(f64, Self)> = None;
         for gap in 0..GAPS {
             let narrower = GAP_RANGE * f64::from(gap) / f64::from(GAPS - 1);
@@ -124,7 +136,10 @@ impl FreeBody {
                     sums.add(&row(smooth, at, wound, rate), smooth.torque[at][0], 1.0);
                 }
                 let Some((solution, left)) = sums.solve() else { continue };
-                let is_machine = solution[0] > 0.0 && solution[STIFFNESS] > 0.0;
+                // A flank far off and a large offset balance as well as those that are.
+                let is_machine = solution[0] > 0.0
+                    && solution[STIFFNESS] > 0.0
+                    && (solution[OFFSET] + held_nm).abs() < offset_max * peak_nm;
                 let is_better = best.as_ref().is_none_or(|(least, _)| left < *least);
                 if is_machine && is_better && sums.rows() >= ROWS_MIN {
                     let body = Self {

@@ -3,7 +3,6 @@
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 
-use crate::cogging::Candidate;
 use crate::fit::Fit;
 use crate::identified::Identified;
 use crate::parameters::{Parameter, Vector};
@@ -15,6 +14,8 @@ use crate::signs::{Direction, directions};
 use crate::staged::{self, Begin};
 
 const ITERATIONS: usize = 40;
+/// Of a fit for the estimates, which may follow a valley for long.
+const ITERATIONS_OF_ESTIMATE: usize = 80;
 const RESTARTS: usize = 2;
 /// Counts of the cogging per turn that a fit is made with.
 const CANDIDATES: usize = 5;
@@ -24,6 +25,10 @@ const ITERATIONS_OF_CANDIDATE: usize = 15;
 const DENTS: usize = 3;
 /// Squares of the residuals up to which another count per turn, or none, may be the true one.
 const LIKELY: f64 = 1.1;
+/// Squares of the residuals without cogging over those with it, from which its count per turn is sure.
+const DECISIVE: f64 = 100.0;
+/// Change of the squares of the residuals that isn't worth another fit.
+const SAME: f64 = 0.02;
 /// Quantities that a fit bends first.
 const BENT: [Parameter; 6] = [
     Parameter::MotorViscous,
@@ -114,7 +119,7 @@ fn polished(motions: &[Motion], begin: Begin, prior: &Prior, noise_counts: f64) 
             break;
         }
         let mut point = best.point.clone();
-        let cogging = vec![Candidate::of(&point)];
+        let cogging = begin.cogging_of(&point);
         point.vector = point.vector.smooth();
         for parameter in BENT {
             point.vector.set(parameter, start.get(parameter));
@@ -152,12 +157,19 @@ fn fitted(
     let smooth = problem(is_smooth, Substeps::Coarse);
     let shown = begin.cogging.first().and_then(|it| all.fit(it.put_on(&begin.point), ITERATIONS));
     let finished_shown = shown.as_ref().and_then(|it| finished(of_all, &it.point, noise_counts));
+    if finished_shown.is_some() && begin.shows_cogging() {
+        return finished_shown;
+    }
     let is_exact = finished_shown.as_ref().is_some_and(|it| it.is_exact(noise_counts));
     let from = finished_shown.as_ref().filter(|_| is_exact).map_or(&begin.point, |it| &it.point);
     let without = Point { vector: from.vector.smooth(), ..from.clone() };
     let iterations = if is_exact { ITERATIONS_OF_CANDIDATE } else { ITERATIONS };
     let Some(coarse) = smooth.fit(without, iterations) else { return finished_shown };
     let mut tried: Vec<Fit> = Vec::new();
+    if finished_shown.is_some() && shown.as_ref().is_some_and(|it| coarse.squares() > DECISIVE * it.squares())
+    {
+        return finished_shown;
+    }
     let candidates = if is_exact {
         begin.cogging.iter().skip(1).take(1).copied().collect()
     } else {
@@ -202,15 +214,25 @@ fn finished<'a>(problem: impl Fn(Substeps) -> Problem<'a>, point: &Point, noise_
     if fit.is_followed(noise_counts) {
         return Some(fit);
     }
-    let finest = dented(&problem(Substeps::Finest), &fit.point);
-    Some(finest.filter(|it| it.squares() < fit.squares()).unwrap_or(fit))
+    let finest = problem(Substeps::Finest);
+    let is_same =
+        finest.squares(&fit.point).is_none_or(|squares| (squares / fit.squares() - 1.0).abs() < SAME);
+    let finest = if is_same { None } else { dented(&finest, &fit.point) };
+    if finest.as_ref().is_some_and(|it| it.is_followed(noise_counts)) {
+        return finest;
+    }
+    let recorded = problem(Substeps::Recorded).fit(point.clone(), ITERATIONS_OF_ESTIMATE);
+    [finest, recorded].into_iter().flatten().chain([fit]).min_by(|a, b| a.squares().total_cmp(&b.squares()))
 }
 
 /// The fit with motions that may begin in other dents of the cogging.
 fn dented(fine: &Problem, point: &Point) -> Option<Fit> {
-    let mut fit = fine.fit(point.clone(), ITERATIONS)?;
+    let mut fit = fine.fit(point.clone(), ITERATIONS_OF_ESTIMATE)?;
     for _ in 0..DENTS {
-        let Some(other) = fine.other_dents(&fit.point).and_then(|it| fine.fit(it, ITERATIONS)) else { break };
+        let Some(other) = fine.other_rests(&fit.point).and_then(|it| fine.fit(it, ITERATIONS_OF_ESTIMATE))
+        else {
+            break;
+        };
         if other.squares() >= fit.squares() {
             break;
         }

@@ -59,5 +59,5 @@ pub use errors::{EncoderError, Source, TorqueDoubt};
 pub use identified::Identified;
 pub use identify::{IdentifyError, Start, identify};
 pub use quantity::{CONFIDENCE, Estimate, Quantity};
-pub use series::{Instruments, Series, SeriesError};
+pub use series::{Held, Instruments, Series, SeriesError};
 pub use signs::{Direction, Directions, contradict, directions};

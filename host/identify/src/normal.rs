@@ -52,9 +52,12 @@ impl Problem<'_> {
                 columns.push((1.0, base.clone()));
                 continue;
             }
-            let step = wider * self.prior.step(parameter);
+            let [low, high] = parameter.limits(self.start.get(parameter));
+            let (value, step) = (vector.get(parameter), wider * self.prior.step(parameter));
+            // At an end of its range an element moves the other way.
+            let step = if (low..=high).contains(&(value + step)) { step } else { -step };
             let mut moved = *vector;
-            moved.set(parameter, moved.get(parameter) + step);
+            moved.set(parameter, value + step);
             let is_of_encoder = Parameter::OF_ENCODERS.as_flattened().contains(&parameter);
             let prediction = if is_of_encoder {
                 motion.reread(base, &moved, own)

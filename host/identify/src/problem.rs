@@ -75,6 +75,12 @@ impl Problem<'_> {
         (sum / number.max(1.0)).sqrt()
     }
 
+    /// Sum of the squares of both root mean squares. `None` if the model can't be followed.
+    pub(crate) fn squares(&self, point: &Point) -> Option<f64> {
+        let predictions = self.predict(point)?;
+        Some([0, 1].map(|encoder| self.root_mean_square(point, &predictions, encoder).powi(2)).iter().sum())
+    }
+
     pub(crate) fn noise(&self, point: &Point, predictions: &[Prediction]) -> Noise {
         let high = |encoder: usize| {
             let mut residuals = Vec::new();

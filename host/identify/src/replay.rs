@@ -11,6 +11,8 @@ use crate::signs::Direction;
 pub(crate) enum Substeps {
     /// On the way to an estimate. The cogging is that at the recorded angles.
     Coarse,
+    /// The same in smaller steps, for the estimate where the model's own cogging would hold it in other dents than the motor's.
+    Recorded,
     /// For the estimate: the error stays far below a count.
     Fine,
     /// The same for a motor that passes many periods of the cogging within a control period.
@@ -18,11 +20,16 @@ pub(crate) enum Substeps {
 }
 
 impl Substeps {
+    /// Whether the cogging is that at the recorded angles.
+    fn is_at_recorded(self) -> bool {
+        matches!(self, Self::Coarse | Self::Recorded)
+    }
+
     /// Integration steps per control period.
     fn number(self) -> u32 {
         match self {
             Self::Coarse => 2,
-            Self::Fine => 4,
+            Self::Recorded | Self::Fine => 4,
             Self::Finest => 16,
         }
     }
@@ -34,9 +41,6 @@ const REST_S: f64 = 0.02;
 /// Standard deviation of an encoder's offset within its count.
 const OFFSET_DEVIATION: f64 = 0.4;
 
-/// Parts of a torque between which the cogging at the recorded angles changes.
-const PARTS: u32 = 4;
-
 /// One motion, counts in their direction from the first sample on, torques as they arrive at the motor.
 pub(crate) struct Motion {
     pub(crate) period_s: f64,
@@ -45,6 +49,8 @@ pub(crate) struct Motion {
     /// the number of its kind.
     pub(crate) altered: Vec<Altered>,
     pub(crate) torque_nm: Vec<f64>,
+    /// Torque that holds the drive train before the first sample.
+    pub(crate) held_nm: f64,
     /// Counts of motor and load since the first sample.
     pub(crate) counts: [Vec<f64>; 2],
     /// Whether a sample of an encoder counts.
@@ -102,6 +108,7 @@ impl Motion {
             held: held(series, instruments.torque_delay_us, |torque_nm| torque_nm),
             altered: altered(series, instruments),
             torque_nm: series.torque_nm().to_vec(),
+            held_nm: series.held_nm(),
             smooth_counts: smoothed(&counts[0]),
             counts,
             is_used,
@@ -174,15 +181,21 @@ impl Motion {
         let (cogging_nm, phase_rad) = (cosine_nm.hypot(sine_nm), cosine_nm.atan2(sine_nm));
         let has_cogging = cogging_nm != 0.0;
         let per_turn = f64::from(vector.cogging_per_turn);
-        let at_recorded = substeps == Substeps::Coarse && has_cogging;
+        let at_recorded = substeps.is_at_recorded() && has_cogging;
         let plant = if at_recorded { vector.smooth() } else { *vector };
         // Where the plant's own cogging, a sine of the motor's angle, has this phase.
         let motor_rad = self.first_rad(vector, own, 0) + phase_rad / per_turn;
         let load_rad = (motor_rad - own.twist_rad) / vector.value(Parameter::Ratio);
         let steps = substeps.number();
-        let parts = if at_recorded { PARTS.max(steps) } else { 1 };
+        // The cogging at the recorded angles changes with every step.
+        let parts = if at_recorded { steps } else { 1 };
         let plant = plant.plant(steps.div_ceil(parts)).ok()?;
-        let mut plant = RunningPlant::released(plant, Start::at_rest(load_rad, motor_rad));
+        let start = Start::at_rest(load_rad, motor_rad);
+        let mut plant = if self.held_nm == 0.0 {
+            RunningPlant::released(plant, start)
+        } else {
+            plant.released_under(start, self.held_nm)
+        };
         let mut turned_rad = [0, 1].map(|_| Vec::with_capacity(self.samples()));
         for (at, held) in held.iter().enumerate() {
             let positions = lashloop_plant::Plant::positions(&plant);
@@ -248,7 +261,7 @@ fn error_rad(vector: &Vector, encoder: usize, angle_rad: f64) -> f64 {
 /// Counts by the parabola of least squares through the samples around each.
 fn smoothed(counts: &[f64]) -> Vec<f64> {
     /// On either side.
-    const AROUND: usize = 8;
+    const AROUND: usize = 2;
     let [number, square] = [2 * AROUND + 1, AROUND * (AROUND + 1)].map(|it| it as f64);
     // Of Savitzky and Golay, for the middle of a window.
     let scale = number * (4.0 * square - 3.0) / 3.0;
@@ -288,6 +301,9 @@ fn altered(series: &Series, instruments: &Instruments) -> Vec<Altered> {
 
 fn held(series: &Series, delay_us: u32, torque_nm: impl Fn(f64) -> f64) -> Held {
     let mut delay = TransportDelay::new(delay_us, series.period_us());
+    // What holds the drive train has arrived before the first sample.
+    let before = if series.held_nm() == 0.0 { 0 } else { delay_us.div_ceil(series.period_us()) };
+    (0..before).for_each(|_| delay.step(torque_nm(series.held_nm())).for_each(drop));
     series.torque_nm().iter().map(|&commanded_nm| delay.step(torque_nm(commanded_nm)).collect()).collect()
 }
 

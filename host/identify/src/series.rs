@@ -64,13 +64,23 @@ impl Instruments {
     }
 }
 
-/// One motion that begins at rest, without torque on the motor.
+/// How a motion begins that an offset of the torque would move without one.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Held {
+    /// Torque that the drive train rests under, in N m.
+    pub torque_nm: f64,
+    /// Time at the start of the record in which it comes to rest under that torque, in s.
+    pub lead_in_s: f64,
+}
+
+/// One motion that begins at rest: without torque on the motor, or under the torque that holds the drive train.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     period_us: u32,
     torque_nm: Vec<f64>,
     motor_counts: Vec<i64>,
     load_counts: Vec<i64>,
+    held_nm: f64,
 }
 
 /// Why a series can't be used.
@@ -112,7 +122,7 @@ impl Series {
     /// Fewest samples of a series.
     pub const SAMPLES_MIN: usize = 100;
 
-    /// The torque of a sample is the one that the drive answered to its counts.
+    /// A motion that begins at rest without torque. The torque of a sample is the one that the drive answered to its counts.
     ///
     /// # Errors
     /// The columns differ in length, are too short, or have a torque that is not finite; the period is out of range.
@@ -135,7 +145,23 @@ impl Series {
         if let Some((sample, &torque_nm)) = torque_nm.iter().enumerate().find(|(_, it)| !it.is_finite()) {
             return Err(SeriesError::Torque { sample, torque_nm });
         }
-        Ok(Self { period_us, torque_nm, motor_counts, load_counts })
+        Ok(Self { period_us, torque_nm, motor_counts, load_counts, held_nm: 0.0 })
+    }
+
+    /// The part after the lead-in of a motion that begins at rest under a torque. What moved the drive train before isn't known.
+    ///
+    /// # Errors
+    /// That part is too short, or the torque isn't finite.
+    pub fn held(self, held: Held) -> Result<Self, SeriesError> {
+        let Held { torque_nm, lead_in_s } = held;
+        if !torque_nm.is_finite() {
+            return Err(SeriesError::Torque { sample: 0, torque_nm });
+        }
+        let lead_in = ((lead_in_s / self.period_s()).round().max(0.0) as usize).min(self.torque_nm.len());
+        let of = |counts: &[i64]| counts[lead_in..].to_vec();
+        let after = self.torque_nm[lead_in..].to_vec();
+        let series = Self::new(self.period_us, after, of(&self.motor_counts), of(&self.load_counts))?;
+        Ok(Self { held_nm: torque_nm, ..series })
     }
 
     /// Control period in s.
@@ -152,6 +178,11 @@ impl Series {
     #[must_use]
     pub fn torque_nm(&self) -> &[f64] {
         &self.torque_nm
+    }
+
+    /// The torque that holds the drive train at rest before the first sample, in N m.
+    pub(crate) fn held_nm(&self) -> f64 {
+        self.held_nm
     }
 
     /// Readings of the motor encoder.

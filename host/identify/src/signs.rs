@@ -66,13 +66,13 @@ pub fn directions(series: &[Series]) -> Directions {
 }
 
 /// Work of the torques in N m counts, by blocks: a loop answers the jitter of single counts with torques against it, a
-/// period or two late.
+/// period or two late. The torque that holds the drive train only balances what would move it.
 fn work_nm_counts(series: &Series, counts: &[i64]) -> f64 {
     let block = ((BLOCK_S / series.period_s()).round() as usize).max(1);
-    let last = counts.len() - 1;
+    let (last, held_nm) = (counts.len() - 1, series.held_nm());
     let work = (0..last).step_by(block).map(|from| {
         let until = (from + block).min(last);
-        let torque_nm = series.torque_nm()[from..until].iter().sum::<f64>() / (until - from) as f64;
+        let torque_nm = series.torque_nm()[from..until].iter().sum::<f64>() / (until - from) as f64 - held_nm;
         torque_nm * (counts[until] - counts[from]) as f64
     });
     work.sum()

@@ -39,7 +39,7 @@ fn only_the_word_yes_starts_a_motion() {
         assert_eq!(ended.status.code(), Some(3), "{answer:?}");
     }
     let ended = answered("yes\n");
-    assert!(text(&ended.stdout).starts_with("breakaway-forward"), "{}", text(&ended.stdout));
+    assert!(text(&ended.stdout).starts_with("rest-1"), "{}", text(&ended.stdout));
     let halted = text(&ended.stderr);
     assert!(halted.contains("the load travel reached") && ended.status.code() == Some(3), "{halted}");
 }

@@ -8,8 +8,9 @@ use lashloop_bench::device::Device;
 use lashloop_bench::run::{End, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{RunMode, Scenario, ScenarioErrors};
 use lashloop_identify::electrical::StageTrip;
+use lashloop_identify::excitation::Exceeded;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, Noisy, Peaks, PlannedMotion};
-use lashloop_identify::{Direction, Instruments};
+use lashloop_identify::{Direction, Held, Instruments, Series, SeriesError};
 use lashloop_record::columns::Columns;
 use lashloop_record::writer::RecordWriter;
 
@@ -34,6 +35,13 @@ pub enum MotionError {
         noisy.shown_counts.ceil()
     )]
     Noisy { motion: String, noisy: Noisy },
+    /// A limit is reached before a motion shows anything.
+    #[error(
+        "{motion}: {exceeded} within {} samples; the torque is off; wait until the load is at rest, bring it back to where it may move \
+         in both directions, or raise the limit",
+        Series::SAMPLES_MIN
+    )]
+    Exceeded { motion: String, exceeded: Exceeded },
     #[error("{motion}: {source}")]
     Series { motion: String, source: NoSeries },
     #[error("{}: can't be written: {source}", path.display())]
@@ -57,6 +65,8 @@ pub struct RunRecord<'a> {
     pub writer: Option<RecordWriter>,
     /// Why the guard ended it early.
     pub halt: Option<Halt>,
+    /// The torque that it began under, if it was held.
+    pub held: Option<Held>,
 }
 
 /// Motions as runs on a device.
@@ -85,12 +95,18 @@ impl DriveTrain for OnDevice<'_> {
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let mut scenario = (self.scenario)(&settings)?;
         scenario::explain_twist(&mut scenario, motion.twist_rad);
-        let Some(ran) = self.run(&motion.name, scenario, guard)? else { return Ok(None) };
+        let Some(ran) = self.run(&motion.name, motion.held, scenario, guard)? else { return Ok(None) };
         if ran.halt.is_none() && ran.end != End::Complete {
             return Err(MotionError::Ended { motion: motion.name.clone(), end: ran.end.to_string() });
         }
-        let series = series(&ran.columns, &self.instruments, ran.mode, ran.in_force)
-            .map_err(|source| MotionError::Series { motion: motion.name.clone(), source })?;
+        let motion = motion.name.clone();
+        let series = match (series(&ran.columns, &self.instruments, ran.mode, ran.in_force), ran.halt) {
+            (Ok(series), _) => series,
+            (Err(NoSeries::Series(SeriesError::Short { .. })), Some(Halt::Exceeded(exceeded))) => {
+                return Err(MotionError::Exceeded { motion, exceeded });
+            }
+            (Err(source), _) => return Err(MotionError::Series { motion, source }),
+        };
         Ok(Some(Made { series, halt: ran.halt, peaks: ran.peaks }))
     }
 }
@@ -110,6 +126,7 @@ impl OnDevice<'_> {
     pub(super) fn run(
         &mut self,
         name: &str,
+        held: Option<Held>,
         mut scenario: Scenario,
         guard: Guard,
     ) -> Result<Option<Ran>, MotionError> {
@@ -130,7 +147,7 @@ impl OnDevice<'_> {
                 .map_or(Ok(None), |noisy| Err(MotionError::Noisy { motion: name.to_owned(), noisy }));
         }
         let device = self.drive.device();
-        let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt };
+        let record = RunRecord { name, scenario: &scenario, device, outcome: &outcome, writer, halt, held };
         (self.record)(record).map_err(MotionError::Record)?;
         Ok(Some(Ran { columns, end: outcome.end, halt, peaks: guard.peaks(), mode, in_force }))
     }

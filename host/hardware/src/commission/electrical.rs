@@ -85,7 +85,7 @@ impl ElectricalTrain for MotorOnDevice<'_, '_> {
 
     fn hold(&mut self, held: &HeldCurrents, guard: Guard) -> Result<Option<MadeSteps>, MotionError> {
         let scenario = self.scenario(held)?;
-        let Some(ran) = self.train.run(&held.name, scenario, guard)? else { return Ok(None) };
+        let Some(ran) = self.train.run(&held.name, None, scenario, guard)? else { return Ok(None) };
         let trip = trip(&ran.end);
         if ran.halt.is_none() && trip.is_none() && ran.end != End::Complete {
             return Err(MotionError::Ended { motion: held.name.clone(), end: ran.end.to_string() });

@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use lashloop_bench::scenario::RunMode;
 use lashloop_identify::electrical::Motor;
-use lashloop_identify::{CONFIDENCE, Direction, EncoderError, Estimate, Identified, Quantity, Source};
+use lashloop_identify::{
+    CONFIDENCE, Direction, EncoderError, Estimate, Held, Identified, Instruments, Quantity, Source,
+};
 use lashloop_plant::backlash_shaft;
 
 /// The plant in the format of a scenario.
@@ -16,8 +18,19 @@ pub const MOTOR_FILE: &str = "motor.toml";
 /// Everything as JSON, for `lashloop run --gate`.
 pub const ESTIMATES_FILE: &str = "estimates.json";
 
-/// In the record of each motion: what was given of the instruments.
+/// In the record of each motion: what was given of it.
 pub const INSTRUMENTS_FILE: &str = "instruments.json";
+
+/// Contents of [`INSTRUMENTS_FILE`].
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
+pub struct GivenOfMotion {
+    /// What was given of the instruments.
+    #[serde(flatten)]
+    pub instruments: Instruments,
+    /// The torque that the motion began under, if an offset would have moved the drive train.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held: Option<Held>,
+}
 
 /// Digits of an estimate: to a thirtieth of its interval.
 fn digits(estimate: &Estimate, value: f64) -> String {

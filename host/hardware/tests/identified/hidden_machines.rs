@@ -52,6 +52,9 @@ fn machine(seed: u64) -> (HiddenPlant, Start) {
         },
     };
     let mut plant = HiddenPlant::draw(seed);
+    // The drawn twist, at this ratio: another one would wind the shaft by turns.
+    let more = ratio - plant.mechanics.ratio;
+    plant.start.motor_position_rad += more * plant.start.load_position_rad;
     plant.mechanics.ratio = ratio;
     plant.mechanics.load_inertia_kg_m2 = ratio * logarithmic(0.125, 50.0);
     plant.mechanics.load_friction_nm_s_rad = ratio * logarithmic(0.267, 26.7);

@@ -75,6 +75,12 @@ impl fmt::Display for Noisy {
 
 /// Time without torque at the start of a motion, in which the drive train has to be at rest, in s.
 pub(crate) const REST_S: f64 = 0.05;
+/// The same where there is time to wait, and under a torque that holds the drive train, in s: long enough for a load that creeps to show
+/// it.
+pub(crate) const LONG_REST_S: f64 = 0.3;
+/// Time before that in which the torque arrives and the drive train comes to rest under it, in s: without the torque an offset has
+/// moved it.
+pub(crate) const LEAD_IN_S: f64 = 0.3;
 /// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
 /// the noise from sample to sample, which a motion does not raise.
 const REST_COUNTS: f64 = 0.3;
@@ -114,33 +120,39 @@ pub struct Guard {
 #[derive(Debug, Clone)]
 struct Rest {
     samples: usize,
+    /// First samples that don't count.
+    lead_in: usize,
     noise_counts: f64,
     counts: [Vec<f64>; 2],
 }
 
 impl Rest {
-    fn new(period_s: f64, noise_counts: f64) -> Self {
-        let samples = ((REST_S / period_s).floor() as usize).max(3);
-        Self { samples, noise_counts, counts: Default::default() }
+    fn new(lead_in_s: f64, rest_s: f64, period_s: f64, noise_counts: f64) -> Self {
+        let lead_in = (lead_in_s / period_s).round() as usize;
+        let samples = lead_in + ((rest_s / period_s).floor() as usize).max(3);
+        Self { samples, lead_in, noise_counts, counts: Default::default() }
+    }
+
+    fn lasts(&self) -> bool {
+        self.counts[0].len() < self.samples
     }
 
     /// Takes the counts of a sample. Why the motion can't begin; `Some(None)` at rest, `None` as long as the time lasts.
     fn check(&mut self, counts: [i64; 2]) -> Option<Option<Halt>> {
-        if self.counts[0].len() < self.samples {
-            for (all, now) in self.counts.iter_mut().zip(counts) {
-                all.push(now as f64);
-            }
+        for (all, now) in self.counts.iter_mut().zip(counts) {
+            all.push(now as f64);
         }
         (self.counts[0].len() == self.samples).then(|| self.judge())
     }
 
     fn judge(&self) -> Option<Halt> {
         let is_noisy = self.noise_counts > 0.0;
-        if !self.counts.iter().all(|counts| is_still(counts, is_noisy)) {
+        let counts = self.counts.each_ref().map(|counts| &counts[self.lead_in..]);
+        if !counts.iter().all(|counts| is_still(counts, is_noisy)) {
             return Some(Halt::NotAtRest);
         }
         let explained = EDGE_COUNTS.hypot(UNSTATED * self.noise_counts / 3.0_f64.sqrt());
-        ["motor", "load"].into_iter().zip(&self.counts).find_map(|(encoder, counts)| {
+        ["motor", "load"].into_iter().zip(counts).find_map(|(encoder, counts)| {
             let jitter = jitter_of_edges(counts);
             let (shown_counts, stated_counts) = (jitter * 3.0_f64.sqrt(), self.noise_counts);
             (jitter > explained).then_some(Halt::Noisy(Noisy { encoder, shown_counts, stated_counts }))
@@ -199,7 +211,8 @@ impl Guard {
     ) -> Self {
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let (recent, first_load) = (VecDeque::new(), None);
-        let (rest, peaks) = (Some(Rest::new(period_s, instruments.noise_counts)), Peaks::default());
+        let rest = Some(Rest::new(0.0, REST_S, period_s, instruments.noise_counts));
+        let peaks = Peaks::default();
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 
@@ -207,6 +220,20 @@ impl Guard {
     #[must_use]
     pub(crate) fn without_rest(self) -> Self {
         Self { rest: None, ..self }
+    }
+
+    /// The same guard of a motion that begins under a torque that holds the drive train.
+    #[must_use]
+    pub(crate) fn held(self) -> Self {
+        let rest = self.rest.map(|it| Rest::new(LEAD_IN_S, LONG_REST_S, self.period_s, it.noise_counts));
+        Self { rest, ..self }
+    }
+
+    /// The same guard of a motion that begins with the longer time at rest.
+    #[must_use]
+    pub(crate) fn patient(self) -> Self {
+        let rest = self.rest.map(|it| Rest::new(0.0, LONG_REST_S, self.period_s, it.noise_counts));
+        Self { rest, ..self }
     }
 
     /// A guard that never halts, for records and models.
@@ -254,13 +281,15 @@ impl Guard {
         if let Some((quantity, value, limit, unit)) = exceeded {
             return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
         }
-        if let Some(rest) = &mut self.rest {
+        if let Some(rest) = self.rest.as_mut().filter(|it| it.lasts()) {
             match rest.check([motor_counts, load_counts]) {
                 None => return None,
                 Some(halt @ Some(_)) => return halt,
-                Some(None) => {}
+                // A lead-in may move the load.
+                Some(None) => self.first_load = Some(if rest.lead_in > 0 { load_counts } else { first }),
             }
         }
+        let first = self.first_load.unwrap_or(first);
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
     }
@@ -268,7 +297,7 @@ impl Guard {
     /// Whether the time at rest lasts, before the first torque.
     #[must_use]
     pub fn awaits_torque(&self) -> bool {
-        self.rest.as_ref().is_some_and(|rest| rest.counts[0].len() < rest.samples)
+        self.rest.as_ref().is_some_and(Rest::lasts)
     }
 
     /// Largest values so far.
@@ -303,6 +332,25 @@ mod tests {
         assert_eq!((noisy.encoder, noisy.stated_counts), ("load", 0.0));
         assert!((1.5..4.0).contains(&noisy.shown_counts), "{noisy}");
         assert_eq!(halt([2, -1, 1, -2, 0], 2.0), None);
+    }
+
+    /// A load that moves by a count each period up to this time, under a torque that holds it.
+    fn halt_of_held(moves_s: f64) -> Option<Halt> {
+        let limits = Limits {
+            torque_nm: 1.0,
+            motor_speed_rad_s: 100.0,
+            load_speed_rad_s: 100.0,
+            load_travel_rad: 1.0,
+        };
+        let mut guard = Guard::new(limits, &Instruments::exact(4000, 4000, 0), 1e-3, None, Some(4)).held();
+        let (moves, samples) = ((moves_s * 1e3) as i64, ((LEAD_IN_S + LONG_REST_S) * 1e3) as i64);
+        (0..samples).find_map(|at| guard.check(7, at.min(moves)))
+    }
+
+    #[test]
+    fn a_held_load_may_move_in_the_lead_in_and_not_after_it() {
+        assert_eq!(halt_of_held(LEAD_IN_S - 0.01), None);
+        assert_eq!(halt_of_held(LEAD_IN_S + 0.05), Some(Halt::NotAtRest));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! | motion | excites |
 //! |---|---|
+//! | none, then held torques if the drive train moves | whether it rests, and under which torque |
 //! | ramp until the load moves, forward and backward | directions of the encoders, torque of breakaway |
 //! | slow reversal, within breakaway and beyond it | gap, stiffness, friction of motor and load each way, ratio |
 //! | steps within breakaway | inertia of the motor, damping of the shaft |
@@ -10,11 +11,14 @@
 //! The first ramp moves the motor by as little as the load needs to move, before any direction is known. No motion closes
 //! a loop.
 
+mod bench;
+mod held;
 mod limits;
 mod motions;
 mod procedure;
 
+pub use bench::{CommissioningError, DriveTrain, Made};
 pub(crate) use limits::REST_S;
 pub use limits::{Exceeded, Guard, Halt, Limits, Noisy, Peaks};
 pub use motions::{Breakaway, PlannedMotion};
-pub use procedure::{Commissioned, CommissioningError, DriveTrain, Made, commission};
+pub use procedure::{Commissioned, commission};

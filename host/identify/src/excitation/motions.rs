@@ -1,6 +1,8 @@
-//! The motions of a commissioning as torques over time. Every one begins and ends without torque.
+//! The motions of a commissioning as torques over time. Every one begins and ends without torque, or under the one that
+//! holds the drive train.
 
 use super::limits::REST_S;
+use crate::series::{Held, Series};
 
 /// Duration of a ramp until the torque limit, in s.
 const RAMP_S: f64 = 3.0;
@@ -17,13 +19,15 @@ pub struct PlannedMotion {
     /// Largest twist by the counts of both encoders that the motion explains, for any directions and any reduction
     /// ratio, in rad at the motor. `None` while nothing is known of the drive train.
     pub twist_rad: Option<f64>,
+    /// How it begins if an offset moves the drive train; `None` for one that rests without torque.
+    pub held: Option<Held>,
 }
 
 impl PlannedMotion {
     /// A motion that begins with the time at rest.
     fn from_rest(name: String, torque_nm: impl IntoIterator<Item = f64>, period_s: f64) -> Self {
         let rest = std::iter::repeat_n(0.0, (REST_S / period_s).ceil() as usize);
-        Self { name, torque_nm: rest.chain(torque_nm).collect(), twist_rad: None }
+        Self { name, torque_nm: rest.chain(torque_nm).collect(), twist_rad: None, held: None }
     }
 }
 
@@ -48,6 +52,13 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
     let torque = |at: usize| sign * limit_nm * RAMP_FROM.powf(1.0 - (at + 1) as f64 / samples as f64);
     let name = if sign < 0.0 { "breakaway-backward" } else { "breakaway-forward" };
     PlannedMotion::from_rest(name.to_owned(), (0..samples).map(torque), period_s)
+}
+
+/// A constant torque from wherever the drive train is. The first one is none.
+pub(super) fn held(torque_nm: f64, number: u32, duration_s: f64, period_s: f64) -> PlannedMotion {
+    let samples = ((duration_s / period_s).ceil() as usize).max(Series::SAMPLES_MIN);
+    let name = format!("rest-{number}");
+    PlannedMotion { name, torque_nm: vec![torque_nm; samples], twist_rad: None, held: None }
 }
 
 /// A reversal within breakaway, then one beyond it. Half cosines leave the motor's swing on the shaft small.

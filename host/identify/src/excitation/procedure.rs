@@ -1,54 +1,24 @@
 //! The order of the motions, and what each one decides for the next.
 
-use super::limits::{Exceeded, Guard, Halt, Limits, Peaks};
-use super::motions::{self, Breakaway, PlannedMotion, Pulse};
+use super::bench::{Bench, CommissioningError, DriveTrain, Made, Wound, excursion};
+use super::limits::{Limits, Peaks};
+use super::motions::{self, Breakaway, Pulse};
 use crate::identified::Identified;
-use crate::identify::{IdentifyError, Start, identify};
+use crate::identify::{Start, identify};
 use crate::series::{Instruments, Series};
 use crate::signs::{Directions, contradict, directions};
 
 /// Load motion that shows breakaway, in counts, and in rad if that is more.
 const BREAKAWAY_COUNTS: f64 = 4.0;
 const BREAKAWAY_RAD: f64 = 0.004;
-/// Fraction of the torque limit up to which the motions of the fit go: an amplifier that saturates at the limit takes its offset
-/// away there, in one direction only, and the model knows nothing of that.
-const HEADROOM: f64 = 0.95;
 /// Fraction of the travel that the pulses aim for.
 const TRAVEL: f64 = 0.25;
 /// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
 const SPEED: f64 = 0.5;
 /// Most sizes that a pulse grows by at once.
 const GROWTH_MAX: i32 = 3;
-/// Attempts at a motion of a drive train that is not at rest yet.
-const ATTEMPTS: u32 = 200;
-/// Excess of the twist that is explained over the one that is expected.
-const TWIST_MARGIN: f64 = 2.0;
 /// Height of a pulse in breakaway torques from which pulses don't grow: the shaft would wind far.
 const BREAKAWAYS_MAX: f64 = 5.0;
-
-/// A drive train that makes motions: a bench with hardware, or a model of one.
-pub trait DriveTrain {
-    /// Why a motion can't be made.
-    type Error;
-
-    /// Makes a motion from rest, and gives every sample to the guard before its torque is commanded. A halt ends the
-    /// motion and the torque. `None` after [`Halt::NotAtRest`]: the motion has not begun.
-    ///
-    /// # Errors
-    /// The motion can't be made or recorded.
-    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Option<Made>, Self::Error>;
-}
-
-/// A motion that was made.
-#[derive(Debug, Clone)]
-pub struct Made {
-    /// Torques and counts up to its end.
-    pub series: Series,
-    /// Why it ended early; `None` if it was made to its end.
-    pub halt: Option<Halt>,
-    /// Largest values.
-    pub peaks: Peaks,
-}
 
 /// Result of a commissioning.
 #[derive(Debug, Clone)]
@@ -57,62 +27,12 @@ pub struct Commissioned {
     pub directions: Directions,
     /// Torques of breakaway at the motor.
     pub breakaway: Breakaway,
+    /// Torque that holds the drive train at rest, from which the torques of breakaway count. 0 for one that rests without.
+    pub held_nm: f64,
     /// The motions that the estimates are from, by name.
     pub records: Vec<(String, Series)>,
     /// The estimates.
     pub identified: Identified,
-}
-
-/// Why a commissioning has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum CommissioningError<E> {
-    /// A motion could not be made.
-    #[error(transparent)]
-    Motion(E),
-    /// A limit is exceeded, and the torque is off.
-    #[error("{motion}: {exceeded}; raise the limit if the machine bears more, or lower the torque limit")]
-    Exceeded {
-        /// The motion.
-        motion: String,
-        /// The limit.
-        exceeded: Exceeded,
-    },
-    /// The load stays at rest up to the torque limit.
-    #[error(
-        "{motion}: the load did not move up to {torque_nm} N m, the motor by {motor_counts} counts; raise the torque limit, or \
-         check brake, power stage and load encoder"
-    )]
-    NoBreakaway {
-        /// The motion.
-        motion: String,
-        /// Largest torque.
-        torque_nm: f64,
-        /// Largest excursion of the motor.
-        motor_counts: i64,
-    },
-    /// The drive train doesn't come to rest.
-    #[error(
-        "{motion}: the drive train moves without torque, {attempts} times in a row; wait until it is at rest, or fasten the load"
-    )]
-    NotAtRest {
-        /// The motion.
-        motion: String,
-        /// Attempts.
-        attempts: u32,
-    },
-    /// The two ramps contradict each other.
-    #[error(
-        "the ramps show different directions of the encoders, {forward:?} and {backward:?}; check the wiring of A and B"
-    )]
-    Directions {
-        /// Of the ramp forward.
-        forward: Directions,
-        /// Of the ramp backward.
-        backward: Directions,
-    },
-    /// The motions don't show the drive train.
-    #[error(transparent)]
-    Identify(#[from] IdentifyError),
 }
 
 /// Makes all motions and estimates the drive train from them.
@@ -128,14 +48,36 @@ pub fn commission<T: DriveTrain>(
 ) -> Result<Commissioned, CommissioningError<T::Error>> {
     let period_s = f64::from(period_us) / 1e6;
     let ratio = start.mechanics.ratio;
-    let mut bench = Bench { drive_train, instruments, limits, period_s, ratio, origin: None, wound: None };
-    let (forward, forward_nm) = bench.breakaway(1.0)?;
-    let (backward, backward_nm) = bench.breakaway(-1.0)?;
+    let (origin, wound) = (None, None);
+    let mut bench = Bench {
+        drive_train,
+        instruments,
+        limits,
+        period_s,
+        ratio,
+        origin,
+        wound,
+        held_nm: 0.0,
+        held: 0,
+        drift_counts: 0.0,
+    };
+    if !bench.rests()? {
+        bench.hold()?;
+    }
+    let ramps = match bench.ramps() {
+        // It came to rest once, but creeps now that it has moved.
+        Err(CommissioningError::NotAtRest { .. }) if bench.held_nm == 0.0 => {
+            bench.hold()?;
+            bench.ramps()
+        }
+        ramps => ramps,
+    };
+    let [(forward, forward_nm), (backward, backward_nm)] = ramps?;
     let shown = [&forward, &backward].map(|it| directions(std::slice::from_ref(it)));
     if contradict(shown[0], shown[1]) {
         return Err(CommissioningError::Directions { forward: shown[0], backward: shown[1] });
     }
-    let breakaway = Breakaway { forward_nm, backward_nm };
+    let breakaway = bench.centre(forward_nm, backward_nm)?;
     bench.wound = Some(Wound {
         torque_nm: forward_nm.min(backward_nm),
         twist_rad: bench.twist_rad(&[&forward, &backward]),
@@ -148,67 +90,13 @@ pub fn commission<T: DriveTrain>(
     records.push(bench.pulses(&breakaway)?);
     let series: Vec<_> = records.iter().map(|(_, series)| series.clone()).collect();
     let identified = identify(&series, instruments, start)?;
-    Ok(Commissioned { directions: identified.directions, breakaway, records, identified })
-}
-
-struct Bench<'a, T> {
-    drive_train: &'a mut T,
-    instruments: &'a Instruments,
-    limits: &'a Limits,
-    period_s: f64,
-    /// Reduction ratio near which the estimation starts.
-    ratio: f64,
-    /// Load counts at the first sample of all.
-    origin: Option<i64>,
-    /// `None` before the ramps.
-    wound: Option<Wound>,
-}
-
-/// How far a torque has turned the motor against a load at rest.
-struct Wound {
-    torque_nm: f64,
-    twist_rad: f64,
+    let held_nm = bench.held_nm;
+    Ok(Commissioned { directions: identified.directions, breakaway, held_nm, records, identified })
 }
 
 impl<T: DriveTrain> Bench<'_, T> {
-    fn make(
-        &mut self,
-        motion: &PlannedMotion,
-        load_counts: Option<i64>,
-    ) -> Result<Made, CommissioningError<T::Error>> {
-        let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
-        // A ramp ends with the motion of the load, and isn't part of the fit.
-        let is_ramp = load_counts.is_some();
-        let limit_nm = if is_ramp { self.limits.torque_nm } else { HEADROOM * self.limits.torque_nm };
-        let torque_nm: Vec<f64> = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
-        let twist_rad = self.explained_twist_rad(&torque_nm);
-        let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad };
-        let motion = motion.name.clone();
-        for _ in 0..ATTEMPTS {
-            let made = self.drive_train.make(&limited, guard.clone()).map_err(CommissioningError::Motion)?;
-            let Some(made) = made else { continue };
-            self.origin.get_or_insert(made.series.load_counts()[0]);
-            return match made.halt {
-                Some(Halt::Exceeded(exceeded)) => Err(CommissioningError::Exceeded { motion, exceeded }),
-                _ => Ok(made),
-            };
-        }
-        Err(CommissioningError::NotAtRest { motion, attempts: ATTEMPTS })
-    }
-
-    /// The shaft winds in proportion to the torque. Where the direction of an encoder is reversed, travel of the load
-    /// appears as twist.
-    fn explained_twist_rad(&self, torque_nm: &[f64]) -> Option<f64> {
-        let Wound { torque_nm: wound_nm, twist_rad } = self.wound.as_ref()?;
-        let peak_nm = torque_nm.iter().fold(*wound_nm, |peak, it| peak.max(it.abs()));
-        let travel_rad = self.ratio * self.limits.load_travel_rad;
-        Some(TWIST_MARGIN * (peak_nm / wound_nm * twist_rad + travel_rad))
-    }
-
-    /// Largest excursion of the motor in these motions, in rad.
-    fn twist_rad(&self, series: &[&Series]) -> f64 {
-        let counts = series.iter().map(|it| excursion(it.motor_counts())).max().unwrap_or(0);
-        counts as f64 / self.instruments.motor_counts_per_rad()
+    fn ramps(&mut self) -> Result<[(Series, f64); 2], CommissioningError<T::Error>> {
+        Ok([self.breakaway(1.0)?, self.breakaway(-1.0)?])
     }
 
     /// Ramps the torque until the load moves. Returns the motion with the torque reached.
@@ -225,7 +113,7 @@ impl<T: DriveTrain> Bench<'_, T> {
         }
         let load = made.series.load_counts();
         let left = load.iter().rposition(|count| (count - load[0]).abs() <= 1).unwrap_or(0);
-        let torque_nm = made.series.torque_nm()[left].abs();
+        let torque_nm = (made.series.torque_nm()[left] - self.held_nm).abs();
         Ok((made.series, torque_nm))
     }
 
@@ -270,8 +158,4 @@ fn growth(before: &Peaks, peaks: &Peaks, limits: &Limits) -> i32 {
     let motor = sizes(before.motor_speed_rad_s, peaks.motor_speed_rad_s, SPEED * limits.motor_speed_rad_s);
     let load = sizes(before.load_speed_rad_s, peaks.load_speed_rad_s, SPEED * limits.load_speed_rad_s);
     travel.min(motor).min(load).clamp(1, GROWTH_MAX)
-}
-
-fn excursion(counts: &[i64]) -> i64 {
-    counts.iter().map(|count| (count - counts[0]).abs()).max().unwrap_or(0)
 }

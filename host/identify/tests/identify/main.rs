@@ -2,6 +2,7 @@
 
 mod coverage;
 mod electrical;
+mod held;
 mod hidden_plants;
 mod limits;
 mod observability;

@@ -8,7 +8,7 @@ use crate::hidden_plants::HiddenPlant;
 /// A torque that swings within breakaway: the load stays at rest.
 fn swing_of_the_motor(plant: &mut HiddenPlant) -> Series {
     let torque_nm = (0..2000).map(|at| 0.3 * (f64::from(at) * 0.004).sin()).collect();
-    let motion = PlannedMotion { name: "swing".to_owned(), torque_nm, twist_rad: None };
+    let motion = PlannedMotion { name: "swing".to_owned(), torque_nm, twist_rad: None, held: None };
     let guard = Guard::unlimited(&plant.instruments(), 1e-3);
     plant.make(&motion, guard).expect("a motion").expect("a plant at rest").series
 }

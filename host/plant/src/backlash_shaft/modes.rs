@@ -39,7 +39,7 @@ fn remaining(time_s: f64, time_constant_s: f64) -> f64 {
 }
 
 impl BacklashShaft {
-    fn command_nm(&self, torque_nm: f64) -> f64 {
+    pub(super) fn command_nm(&self, torque_nm: f64) -> f64 {
         let ShaftParameters { torque_offset_nm, torque_saturation_nm, .. } = self.parameters;
         (torque_nm + torque_offset_nm).clamp(-torque_saturation_nm, torque_saturation_nm)
     }

@@ -8,10 +8,15 @@ use crate::integrator;
 use crate::mode::{Contact, DryFriction};
 use crate::{Environment, PlantError, Positions, Release, RunningPlant, Start, Truth, TwoMass};
 
-impl TwoMass for BacklashShaft {
-    type State = BacklashShaftState;
+impl BacklashShaft {
+    /// Released at `start` under a command of `torque_nm` that has lasted longer than the lag of the current loop.
+    #[must_use]
+    pub fn released_under(self, start: Start, torque_nm: f64) -> RunningPlant<Self> {
+        let state = self.state_under(start, self.command_nm(torque_nm));
+        RunningPlant { plant: self, state }
+    }
 
-    fn initial_state(&self, start: Start) -> BacklashShaftState {
+    fn state_under(&self, start: Start, motor_torque_nm: f64) -> BacklashShaftState {
         let half_gap = self.mechanics.dead_zone_rad;
         let twist_rad = self.mechanics.twist_of(start.load_position_rad, start.motor_position_rad);
         let coordinates = ShaftCoordinates {
@@ -21,7 +26,7 @@ impl TwoMass for BacklashShaft {
                 velocity_rad_s: start.load_velocity_rad_s,
             },
             gap_position_rad: twist_rad.clamp(-half_gap, half_gap),
-            motor_torque_nm: 0.0,
+            motor_torque_nm,
             surroundings: Surroundings { dead_zone_rad: half_gap, load_torque_nm: 0.0 },
         };
         let contact = self.contact_at_release(&coordinates);
@@ -37,6 +42,14 @@ impl TwoMass for BacklashShaft {
         let limits_nm = self.motor_friction.limits_nm;
         let motor = DryFriction::released(start.motor_velocity_rad_s, motor_drive_nm, limits_nm);
         BacklashShaftState { coordinates, mode: ShaftMode { contact, load, motor } }
+    }
+}
+
+impl TwoMass for BacklashShaft {
+    type State = BacklashShaftState;
+
+    fn initial_state(&self, start: Start) -> BacklashShaftState {
+        self.state_under(start, 0.0)
     }
 
     fn step(&self, state: &mut BacklashShaftState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {

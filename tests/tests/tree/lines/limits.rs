@@ -17,7 +17,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("host/fmu-export", 1_400),
     ("host/fmu-library", 750),
     ("host/hardware", 2_800),
-    ("host/identify", 3_350),
+    ("host/identify", 3_700),
     ("host/link", 1_600),
     ("host/live", 1_500),
     ("host/plant", 4_600),

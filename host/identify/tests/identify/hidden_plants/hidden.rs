@@ -42,6 +42,8 @@ pub struct HiddenPlant {
     pub errors: Errors,
     /// What a commissioning gets of the encoders, of motor and load.
     encoder_error_rad: [f64; 2],
+    /// Time without torque before each motion, in s.
+    pub between_s: f64,
 }
 
 /// What torque and encoders of a plant are off by. All phases are 0 at the zero of the encoders.
@@ -110,6 +112,7 @@ impl HiddenPlant {
             present: None,
             errors: Errors::default(),
             encoder_error_rad: [0.0; 2],
+            between_s: 0.0,
         }
     }
 
@@ -206,6 +209,10 @@ impl DriveTrain for HiddenPlant {
     fn make(&mut self, motion: &PlannedMotion, mut guard: Guard) -> Result<Option<Made>, SeriesError> {
         let mut present = self.present.take().unwrap_or_else(|| self.release());
         let Present { plant, encoders } = &mut present;
+        let period_s = f64::from(Self::PERIOD_US) / 1e6;
+        for _ in 0..(self.between_s / period_s).round() as u32 {
+            plant.step(0.0, period_s).expect("a plant that can be followed");
+        }
         let mut delay = TransportDelay::new(DELAY_US, Self::PERIOD_US);
         let (mut torques_nm, mut counts) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut halt = None;
