@@ -1,13 +1,13 @@
 //! What the loop does about a load that swings through its target and comes out on the other side.
 //!
 //! Stiction that breaks loose, or a load on a spring, can carry the load through the band of arrival again and again. Each
-//! time that it comes out beyond the error of release on the other side is a crossing. After the first one, hold and release are
-//! wider by a factor: friction then holds the load where it stands. Each further one makes the loop slower. A new reference
-//! makes everything as it was. Until the first crossing both factors are 1.
+//! time that it comes out beyond the error of release on the other side is a crossing. One crossing is an overshoot, and changes
+//! nothing. After the second, hold and release are wider by a factor: friction then holds the load where it stands. Each further
+//! one makes the loop slower. A new reference makes everything as it was. Until the second crossing both factors are 1.
 
 use crate::law::{Measurement, Real};
 
-/// Arrival and release after a crossing, relative to those before it.
+/// Arrival and release after the second crossing, relative to those before it.
 const HUNTING_BANDS: f64 = 4.0;
 /// Speed of the loop after a further crossing relative to the one before it, and the least of all.
 const CALMING: f64 = 0.7;
@@ -19,6 +19,7 @@ pub(super) struct HuntingState<F> {
     reference_rad: F,
     /// Sign of the last error beyond release; 0 before one.
     side: F,
+    overshot: bool,
     /// Factor on the errors of arrival and of release.
     pub(super) widening: F,
     /// Factor on curve and gain of the velocity loop; its square is that on the integral gain.
@@ -28,7 +29,7 @@ pub(super) struct HuntingState<F> {
 impl<F: Real> HuntingState<F> {
     /// No crossing of this reference.
     pub(super) fn at(reference_rad: F) -> Self {
-        Self { reference_rad, side: F::ZERO, widening: F::ONE, calm: F::ONE }
+        Self { reference_rad, side: F::ZERO, overshot: false, widening: F::ONE, calm: F::ONE }
     }
 
     /// Counts the crossing that this sample's error may be. `release_rad` is the error of release before a crossing.
@@ -41,12 +42,13 @@ impl<F: Real> HuntingState<F> {
         if side == self.side || error_rad.abs() <= self.widening * release_rad {
             return;
         }
-        if self.side != F::ZERO {
+        if self.overshot {
             if self.widening != F::ONE {
                 self.calm = (F::from_f64(CALMING) * self.calm).clamp(F::from_f64(CALMEST), F::ONE);
             }
             self.widening = F::from_f64(HUNTING_BANDS);
         }
+        self.overshot = self.side != F::ZERO;
         self.side = side;
     }
 }
@@ -74,19 +76,20 @@ mod tests {
     }
 
     #[test]
-    fn the_first_crossing_widens_the_hold_and_further_ones_calm_the_loop() {
+    fn the_second_crossing_widens_the_hold_and_further_ones_calm_the_loop() {
         let mut state = HuntingState::at(0.0);
-        assert_eq!(after(&mut state, 0.0, &[1570.0, -4.1, -9.0]), (4.0, 1.0));
-        assert_eq!(after(&mut state, 0.0, &[15.9]), (4.0, 1.0), "within the release that is now wider");
-        assert_eq!(after(&mut state, 0.0, &[16.1]), (4.0, 0.7));
-        let (_, calm) = after(&mut state, 0.0, &[-50.0, 50.0, -50.0, 50.0, -50.0, 50.0]);
+        assert_eq!(after(&mut state, 0.0, &[1570.0, -4.1, -9.0, 3.9]), (1.0, 1.0), "an overshoot");
+        assert_eq!(after(&mut state, 0.0, &[4.1, 9.0]), (4.0, 1.0));
+        assert_eq!(after(&mut state, 0.0, &[-15.9]), (4.0, 1.0), "within the release that is now wider");
+        assert_eq!(after(&mut state, 0.0, &[-16.1]), (4.0, 0.7));
+        let (_, calm) = after(&mut state, 0.0, &[50.0, -50.0, 50.0, -50.0, 50.0, -50.0]);
         assert_eq!(calm, 0.2);
     }
 
     #[test]
     fn a_new_reference_starts_anew_and_is_not_a_crossing() {
         let mut state = HuntingState::at(0.0);
-        after(&mut state, 0.0, &[1570.0, -20.0, 20.0]);
+        after(&mut state, 0.0, &[1570.0, -20.0, 20.0, -20.0]);
         assert_eq!(after(&mut state, 1.0, &[-980.0, -2.0]), (1.0, 1.0));
         assert_eq!(after(&mut state, 0.0, &[1000.0, 2.0]), (1.0, 1.0));
     }
