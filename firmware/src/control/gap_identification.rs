@@ -1,9 +1,9 @@
 //! Compliance and half gap of the transmission, by recursive least squares.
 //!
-//! In contact on either flank z = kappa (C + o) + j sgn C, with kappa = 1 / K, the observed torque C and the unknown offset o of
-//! the motor's torque. Twist and torque are both measured at the motor's side, so neither contains the friction on the load, which
+//! In contact on either flank z = kappa (C + o + f v) + j sgn C, with kappa = 1 / K, the observed torque C, the unknown offset o of
+//! the motor's torque, and a torque f v that grows with the motor's speed v. Twist and torque are both measured at the motor's side, so neither contains the friction on the load, which
 //! biases the paper's estimate. One flank can't tell j from kappa o: only both flanks separate them. The deviation of j says so,
-//! because o is an unknown with a stated deviation.
+//! because o and f are unknowns with stated deviations.
 //!
 //! A sample counts if torque and twist have one sign, the torque is large enough for contact to be certain, and motor and twist are
 //! slow, but not at rest: while they accelerate, every delay between torque and position looks like a piece of gap, and at rest the
@@ -12,7 +12,7 @@
 //! All unknowns are relative to the machine: torques to its limit U, angles to U / K, times to the period of the motor on the
 //! shaft, 1 / w with w = sqrt(K / J_m). So the constants below hold for a machine of any size.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix4, Vector4};
 
 use crate::law::Real;
 
@@ -67,6 +67,10 @@ pub(in crate::control) struct Machine<F> {
     pub(in crate::control) offset_deviation: F,
     /// Standard deviation of the torque that repeats in every move, relative to the limit.
     pub(in crate::control) ripple_deviation: F,
+    /// Standard deviation of the torque that grows with the motor's speed, at the speed limit and relative to the torque limit.
+    pub(in crate::control) speed_deviation: F,
+    /// Speed limit of the motor in rad/s.
+    pub(in crate::control) speed_limit_rad_s: F,
     /// One count of the motor encoder, in rad of twist.
     pub(in crate::control) motor_count_rad: F,
     /// One count of the load encoder, in rad of twist.
@@ -93,6 +97,8 @@ pub(in crate::control) struct Identification<F> {
     initial_variance: F,
     max: F,
     offset_variance: F,
+    speed_variance: F,
+    per_speed_s_rad: F,
     /// Variance that contacts don't reduce: counts, and the repeating torques for a compliance of 1.
     count_variance: F,
     torque_variance: F,
@@ -122,9 +128,9 @@ pub(in crate::control) struct ShaftSample<F> {
 /// The estimates and their covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::control) struct Estimate<F: Real> {
-    /// Compliance, half gap, twist by the offset.
-    parameters: Vector3<F>,
-    covariance: Matrix3<F>,
+    /// Compliance, half gap, twist by the offset, twist by the torque that grows with speed.
+    parameters: Vector4<F>,
+    covariance: Matrix4<F>,
     misfit: F,
     balanced_periods: u32,
 }
@@ -166,6 +172,12 @@ impl<F: Real> Identification<F> {
             initial_variance: square(initial_deviation),
             max: machine.max_rad * per_twist,
             offset_variance: square(machine.offset_deviation),
+            speed_variance: square(machine.speed_deviation),
+            per_speed_s_rad: if machine.speed_limit_rad_s > F::ZERO {
+                F::ONE / machine.speed_limit_rad_s
+            } else {
+                F::ZERO
+            },
             count_variance: F::from_f64(0.25) * counts,
             torque_variance: square(machine.ripple_deviation) + square(friction),
             fastest_twist_rad_s: F::from_f64(FASTEST_TWIST) * rate * twist_rad,
@@ -177,11 +189,15 @@ impl<F: Real> Identification<F> {
 
     /// The prior values.
     pub(in crate::control) fn initial_estimate(&self) -> Estimate<F> {
-        let variances =
-            Vector3::new(F::from_f64(COMPLIANCE_VARIANCE), self.initial_variance, self.offset_variance);
+        let variances = Vector4::new(
+            F::from_f64(COMPLIANCE_VARIANCE),
+            self.initial_variance,
+            self.offset_variance,
+            self.speed_variance,
+        );
         Estimate {
-            parameters: Vector3::new(F::ONE, self.initial, F::ZERO),
-            covariance: Matrix3::from_diagonal(&variances),
+            parameters: Vector4::new(F::ONE, self.initial, F::ZERO, F::ZERO),
+            covariance: Matrix4::from_diagonal(&variances),
             misfit: F::ZERO,
             balanced_periods: 0,
         }
@@ -205,45 +221,59 @@ impl<F: Real> Identification<F> {
         let torque = self.per_torque_1_nm * sample.transmitted_nm;
         // Beyond the least torque by so many deviations of the offset, without the microcontroller's slow square root.
         let beyond = (torque.abs() - F::from_f64(LEAST_TORQUE)) * estimate.parameters.x;
-        let square = F::from_f64(CERTAIN_DEVIATIONS * CERTAIN_DEVIATIONS) * estimate.covariance.m33;
+        let speed = self.per_speed_s_rad * sample.motor_velocity_rad_s;
+        let unknown = estimate.covariance.m33 + speed * speed * estimate.covariance.m44;
+        let square = F::from_f64(CERTAIN_DEVIATIONS * CERTAIN_DEVIATIONS) * unknown;
         if beyond > F::ZERO && beyond * beyond > square && rate < self.fastest_twist_rad_s {
-            self.update(estimate, torque, self.per_twist_1_rad * sample.twist_rad);
+            self.update(estimate, torque, speed, self.per_twist_1_rad * sample.twist_rad);
         }
     }
 
-    fn update(&self, estimate: &mut Estimate<F>, torque: F, twist: F) {
+    fn update(&self, estimate: &mut Estimate<F>, torque: F, speed: F, twist: F) {
         // Element by element: the library's generic product takes three times the instructions on the microcontroller.
         let side = torque.sign();
         let p = &mut estimate.covariance;
         let spread = [
-            p.m11 * torque + p.m12 * side + p.m13,
-            p.m21 * torque + p.m22 * side + p.m23,
-            p.m31 * torque + p.m32 * side + p.m33,
+            p.m11 * torque + p.m12 * side + p.m13 + p.m14 * speed,
+            p.m21 * torque + p.m22 * side + p.m23 + p.m24 * speed,
+            p.m31 * torque + p.m32 * side + p.m33 + p.m34 * speed,
+            p.m41 * torque + p.m42 * side + p.m43 + p.m44 * speed,
         ];
         let variance = self.sample_variance * (F::ONE + F::from_f64(TORQUE_VARIANCE) * torque * torque);
-        let innovation = variance + (torque * spread[0] + side * spread[1] + spread[2]);
+        let innovation = variance + (torque * spread[0] + side * spread[1] + spread[2] + speed * spread[3]);
         let gain = spread.map(|element| element / innovation);
         p.m11 -= gain[0] * spread[0];
         p.m12 -= gain[0] * spread[1];
         p.m13 -= gain[0] * spread[2];
+        p.m14 -= gain[0] * spread[3];
         p.m21 -= gain[1] * spread[0];
         p.m22 -= gain[1] * spread[1];
         p.m23 -= gain[1] * spread[2];
+        p.m24 -= gain[1] * spread[3];
         p.m31 -= gain[2] * spread[0];
         p.m32 -= gain[2] * spread[1];
         p.m33 -= gain[2] * spread[2];
+        p.m34 -= gain[2] * spread[3];
+        p.m41 -= gain[3] * spread[0];
+        p.m42 -= gain[3] * spread[1];
+        p.m43 -= gain[3] * spread[2];
+        p.m44 -= gain[3] * spread[3];
         let x = &mut estimate.parameters;
-        let error = twist - (x.x * torque + x.y * side + x.z);
+        let error = twist - (x.x * torque + x.y * side + x.z + x.w * speed);
         estimate.misfit += F::from_f64(MISFIT_FRACTION) * (error.abs() - estimate.misfit);
         x.x += gain[0] * error;
         x.y += gain[1] * error;
         x.z += gain[2] * error;
+        x.w += gain[3] * error;
         if estimate.covariance.m22 < self.initial_variance {
             estimate.covariance.m22 += self.drift;
         }
         // Rounding must not make a variance negative.
         if estimate.covariance.m33 < F::ZERO {
             estimate.covariance.m33 = F::ZERO;
+        }
+        if estimate.covariance.m44 < F::ZERO {
+            estimate.covariance.m44 = F::ZERO;
         }
         // A compliance beyond its range is moved to the end of it, and gap and offset with it, as their covariance says: the
         // samples that moved it then still agree with them.
@@ -254,6 +284,7 @@ impl<F: Real> Identification<F> {
             estimate.parameters.x = compliance;
             estimate.parameters.y += estimate.covariance.m21 * moved;
             estimate.parameters.z += estimate.covariance.m31 * moved;
+            estimate.parameters.w += estimate.covariance.m41 * moved;
         }
         estimate.parameters.y = estimate.parameters.y.clamp(F::ZERO, self.max);
     }

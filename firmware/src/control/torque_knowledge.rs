@@ -21,6 +21,9 @@ crate::parameters! {
         cogging_per_turn: F32 = 12.0 in 0.0..=1000.0, "";
         /// Phase of the cogging: its torque is `cogging_nm` sin(`cogging_per_turn` theta_e + phase).
         cogging_phase_rad: F32 = 0.0 in -10.0..=10.0, "rad";
+        /// Standard deviation of the torque that grows with the motor's speed, such as unknown back-EMF, at `motor_speed_limit_rad_s`
+        /// and relative to `torque_limit_nm`.
+        torque_speed_deviation: F32 = 0.0 in 0.0..=100.0, "";
     }
 }
 

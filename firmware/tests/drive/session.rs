@@ -18,7 +18,7 @@ fn hello_ends_boot_and_returns_the_identity() {
     let identity = host.identity(HELLO);
     assert_eq!((identity.session, identity.state, identity.build_id), (SESSION, State::Idle, BUILD_ID));
     assert_eq!(identity.dirty, u8::from(BUILD_IS_DIRTY));
-    assert_eq!((identity.law_count, identity.signal_count, identity.parameter_count), (6, 12, 54));
+    assert_eq!((identity.law_count, identity.signal_count, identity.parameter_count), (6, 12, 55));
     assert_eq!(identity.board.as_str(), "test");
     assert_eq!((identity.protocol_version, identity.minor_version), (PROTOCOL_VERSION, MINOR_VERSION));
 }

@@ -93,6 +93,8 @@ impl<F: Real> BacklashInverse<F> {
             torque_limit_nm: setting.torque_limit_nm,
             offset_deviation: F::ZERO,
             ripple_deviation: F::ZERO,
+            speed_deviation: F::ZERO,
+            speed_limit_rad_s: F::ZERO,
             motor_count_rad: setting.motor_resolution_rad,
             load_count_rad: model.reduction_ratio * setting.load_resolution_rad,
             initial_rad: setting.dead_zone.dead_zone_initial_rad,

@@ -77,6 +77,8 @@ impl<F: Real> BrakingCurve<F> {
             torque_limit_nm: limit_nm,
             offset_deviation: torque.torque_offset_deviation,
             ripple_deviation: torque.torque_ripple_deviation,
+            speed_deviation: torque.torque_speed_deviation,
+            speed_limit_rad_s: setting.motor_speed_limit_rad_s,
             motor_count_rad: setting.motor_resolution_rad,
             load_count_rad: model.reduction_ratio * setting.load_resolution_rad,
             initial_rad: dead_zone.dead_zone_initial_rad,

@@ -6,9 +6,11 @@
 //! On arrival the integral is unloaded once and frozen, and friction holds the load, as in
 //! [`backlash_inverse`](crate::control::backlash_inverse). What friction can't hold, a lasting load, is not unloaded. The
 //! integral has a limit, so that an approach doesn't wind it up; while the load stands off its target, the limit grows.
+//! [`hunting`](super::hunting) widens the hold and slows the loop of a load that swings through its target.
 
 use super::curve::Curve;
 use super::gains::Gains;
+use super::hunting::HuntingState;
 use super::inertia_factor::{InertiaFactor, InertiaFactorState};
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
@@ -43,6 +45,7 @@ pub(super) struct LoadLoopState<F> {
     /// Growth of the integral's limit in N m.
     reach_nm: F,
     inertia_factor: InertiaFactorState<F>,
+    hunting: HuntingState<F>,
     pub(super) holding: bool,
 }
 
@@ -87,6 +90,7 @@ impl<F: Real> LoadLoop<F> {
             integral_nm: F::ZERO,
             reach_nm: F::ZERO,
             inertia_factor: InertiaFactor::initial_state(),
+            hunting: HuntingState::at(F::ZERO),
             holding: false,
         }
     }
@@ -106,8 +110,10 @@ impl<F: Real> LoadLoop<F> {
         let error = m.load_position_rad - load.position_error_rad - m.reference_position_rad;
         let reference_velocity = m.reference_velocity_rad_s;
         let excess_velocity = load_velocity_rad_s - reference_velocity;
-        let arrived = error.abs() <= gains.band_rad;
-        if reference_velocity != F::ZERO || error.abs() > gains.release_rad {
+        state.hunting.step(m, error, gains.release_rad);
+        let (widening, calm) = (state.hunting.widening, state.hunting.calm);
+        let arrived = error.abs() <= widening * gains.band_rad;
+        if reference_velocity != F::ZERO || error.abs() > widening * gains.release_rad {
             state.holding = false;
         } else if arrived && !state.holding {
             state.holding = true;
@@ -124,12 +130,12 @@ impl<F: Real> LoadLoop<F> {
             (reference_velocity, F::ZERO)
         } else {
             let (velocity, slope) = self.curve.at(distance, inertia_factor);
-            (reference_velocity - led_error.sign() * velocity, -(slope * excess_velocity))
+            (reference_velocity - led_error.sign() * (calm * velocity), -(calm * slope * excess_velocity))
         };
         let velocity_error = commanded - load_velocity_rad_s;
         let stands = load_velocity_rad_s.abs() < gains.standstill_rad_s;
         // Friction damps a load that it holds; the observed velocity would only add its noise.
-        let damping = if state.holding && stands { F::ZERO } else { gains.speed_nm_s_rad };
+        let damping = if state.holding && stands { F::ZERO } else { calm * gains.speed_nm_s_rad };
         let moving = (self.per_width_s_rad * (commanded - reference_velocity)).clamp(-F::ONE, F::ONE);
         let fade = (self.per_fade_1_rad * distance).clamp(F::ZERO, F::ONE);
         let wanted_nm = self.per_ratio
@@ -144,7 +150,7 @@ impl<F: Real> LoadLoop<F> {
             || missing_nm * velocity_error > F::ZERO;
         if !state.holding && !at_limit {
             let integral_limit_nm = gains.integral_limit_nm + state.reach_nm;
-            let integral_nm = state.integral_nm + self.integral_per_period * velocity_error;
+            let integral_nm = state.integral_nm + calm * calm * self.integral_per_period * velocity_error;
             state.integral_nm = integral_nm.clamp(-integral_limit_nm, integral_limit_nm);
             if stands && integral_nm != state.integral_nm {
                 state.reach_nm += self.reach_per_period_nm;

@@ -27,6 +27,7 @@ const EXACT: TorqueKnowledge<f64> = TorqueKnowledge {
     cogging_nm: 0.0,
     cogging_per_turn: 12.0,
     cogging_phase_rad: 0.0,
+    torque_speed_deviation: 0.0,
 };
 
 fn gains(model: &NominalModel<f64>, setting: &BrakingCurveSetting<f64>) -> Gains<f64> {

@@ -1,6 +1,6 @@
 //! The regression on springs with a gap and an offset of the torque.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix4, Vector4};
 
 use super::{BALANCED_PERIODS, Estimate, Identification, Machine, ShaftSample};
 use crate::law::Real;
@@ -14,6 +14,8 @@ fn machine<F: Real>() -> Machine<F> {
         torque_limit_nm: f(20.0),
         offset_deviation: f(0.006),
         ripple_deviation: f(0.0),
+        speed_deviation: f(0.0),
+        speed_limit_rad_s: f(1000.0),
         motor_count_rad: f(0.0),
         load_count_rad: f(0.0),
         initial_rad: f(0.3),
@@ -83,6 +85,29 @@ fn one_flank_leaves_the_gap_as_uncertain_as_the_offset() {
 }
 
 #[test]
+fn torque_that_grows_with_speed_is_not_taken_for_a_gap() {
+    // A load that brakes: 1 to 3 N m against a motion of up to 40 rad/s, with 0.02 N m s/rad of unknown back-EMF.
+    let estimate_of = |speed_deviation: f64| {
+        let machine = Machine { speed_deviation, offset_deviation: 0.0, ..machine() };
+        let identification = Identification::new(&machine);
+        let mut estimate = balanced(&identification);
+        for k in 0..20_000 {
+            let true_nm = -2.0 - (f64::from(k) * 1e-3).sin();
+            let motor_velocity_rad_s = 20.0 + 20.0 * (f64::from(k) * 3e-3).cos();
+            let observed_nm = true_nm + 0.02 * motor_velocity_rad_s;
+            let sample = ShaftSample { motor_velocity_rad_s, ..slow(observed_nm, true_nm - 0.1) };
+            identification.step(&mut estimate, &sample, false);
+        }
+        let error_rad = identification.gap(&estimate).dead_zone_rad - 0.1;
+        (error_rad, identification.dead_zone_deviation_rad(&estimate))
+    };
+    let (stated, deviation) = estimate_of(1.0);
+    assert!(stated.abs() < 2.0 * deviation && deviation < 0.02, "{stated} rad, deviation {deviation} rad");
+    let (unstated, deviation) = estimate_of(0.0);
+    assert!(unstated.abs() > 4.0 * deviation, "{unstated} rad, deviation {deviation} rad");
+}
+
+#[test]
 fn what_no_contact_can_tell_stays_in_the_deviation() {
     let deviation = |machine: Machine<f64>| after(&machine, to_and_fro_nm, 0.0).2;
     let rippled = deviation(Machine { ripple_deviation: 0.002, ..machine() });
@@ -148,18 +173,21 @@ fn the_same_machine_in_other_units_learns_the_same() {
 #[test]
 fn recursion_equals_the_batch_solution() {
     // Without drift, (P0^-1 + sum h h' / R) x = P0^-1 x0 + sum h y / R.
-    let identification = Identification { drift: 0.0, ..Identification::new(&machine::<f64>()) };
+    let machine = Machine { speed_deviation: 0.5, ..machine::<f64>() };
+    let identification = Identification { drift: 0.0, ..Identification::new(&machine) };
     let twist = |torque: f64| 1.2 * torque + (0.1 + 0.02 * (17.0 * torque).sin()) * torque.signum();
     let prior = balanced(&identification);
-    let mut normal = Matrix3::from_diagonal(&prior.covariance.diagonal().map(|variance| 1.0 / variance));
+    let mut normal = Matrix4::from_diagonal(&prior.covariance.diagonal().map(|variance| 1.0 / variance));
     let mut information = normal * prior.parameters;
     let mut estimate = prior;
     for torque in (0..5000).map(to_and_fro_nm).filter(|torque| torque.abs() > 1.0) {
-        let regressor = Vector3::new(torque / 20.0, torque.signum(), 1.0);
+        let motor_velocity_rad_s = 10.0 + 7.0 * (5.0 * torque).cos();
+        let regressor = Vector4::new(torque / 20.0, torque.signum(), 1.0, 1e-3 * motor_velocity_rad_s);
         let variance = identification.sample_variance * (1.0 + 0.075 * torque * torque);
         normal += regressor * regressor.transpose() / variance;
         information += regressor * (twist(torque) / 20.0) / variance;
-        identification.step(&mut estimate, &slow(torque, twist(torque)), false);
+        let sample = ShaftSample { motor_velocity_rad_s, ..slow(torque, twist(torque)) };
+        identification.step(&mut estimate, &sample, false);
     }
     let residual = (normal * estimate.parameters - information).amax() / information.amax();
     assert!(residual < 1e-9, "{residual}");

@@ -6,7 +6,7 @@ pub(super) const LIMITS: &[(&str, usize)] = &[
     ("benchmarks/plant", 300),
     ("examples/own-law", 150),
     ("examples/own-plant", 200),
-    ("firmware", 9_500),
+    ("firmware", 9_550),
     ("host", 2_050),
     ("host/bench", 11_650),
     ("host/campaign", 6_250),
