@@ -152,7 +152,7 @@ impl fmt::Display for TimingReport {
     /// A table on several lines.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { clock, period_us, steps, unanswered, missed, longest_run_of_late, .. } = self;
-        write!(out, "{clock}, period {period_us} us, {}", counted((*steps).into(), "step"))?;
+        write!(out, "{clock}, period {period_us} us, {}", counted(*steps, "step"))?;
         if self.warm_up_steps > 0 {
             write!(out, " after {} of warm-up", self.warm_up_steps)?;
         }
