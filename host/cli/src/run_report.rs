@@ -53,7 +53,7 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome, h
     outln!("");
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     let what = if summary.mode.is_hil() { "the plant" } else { "the drive" };
-    let steps = counted(steps.into(), "step");
+    let steps = counted(steps, "step");
     outln!("run         {steps}, {simulated_s:.3} s of {what} in {wall_s:.3} s");
     if let Some(CapturedRows { rows, event, .. }) = &outcome.scope {
         outln!("scope       {} rows, the event at row {event}", rows.len());

@@ -152,7 +152,7 @@ impl fmt::Display for Tally {
         write!(
             out,
             "{}, {how} {:.1} s\n{}",
-            counted(self.runs.into(), "run"),
+            counted(self.runs, "run"),
             self.took.as_secs_f64(),
             self.verdict()
         )
