@@ -57,7 +57,9 @@ pub fn write_reports(tally: &Tally<'_>) -> Result<Vec<ReadError>, WriteError> {
         let run = match Run::read(&*case.name, record) {
             Ok(run) => run,
             // A drive that failed before the first step leaves no trace.
-            Err(ReadError { fault: ReadFault::Empty, .. }) => continue,
+            Err(ReadError {
+                fault: ReadFault::Empty | ReadFault::NoRecord | ReadFault::NoFolder, ..
+            }) => continue,
             Err(ReadError { fault: ReadFault::Read(error), .. }) if error.kind() == ErrorKind::NotFound => {
                 continue;
             }
