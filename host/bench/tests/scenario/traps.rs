@@ -182,7 +182,7 @@ fn an_entry_that_is_unknown_repeated_or_useless_is_an_error() {
     ]
     .map(|text| trapped(&text));
     insta::assert_snapshot!(messages.join("\n"), @r#"
-    x.toml:1: meant: "strat" is not a choice; it must be "start", "mismatch" or "large-angle"
+    x.toml:1: meant: "strat" is not a choice; it must be "start", "mismatch" or "large-angle" (did you mean "start"?)
     x.toml:1: meant: 5 is a whole number; it must be "start", "mismatch" or "large-angle"
     x.toml:1: meant: "start" is given twice
     x.toml:1: meant: "start" silences nothing: the scenario has no such trap; omit it
