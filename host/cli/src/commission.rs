@@ -192,6 +192,7 @@ impl Arguments {
         let mut drive_train = OnDevice {
             scenario: &scenario,
             drive,
+            mode: template.run.mode,
             instruments: known,
             period_s: template.run.control_period_s(),
             folder: temporary.path(),

@@ -65,7 +65,8 @@ fn what_holds_no_good_frame_is_another_file() {
     assert!(text(&output.stdout).contains("0 messages; bad: "), "what is bad is shown all the same");
     let mixed = [&noise[..], &[0], &example_frames()[0]].concat();
     decode(&["-"], &mixed);
-    decode(&["-"], &[]);
+    let output = lashloop(&["decode", "-"], &[]);
+    assert_eq!(output.status.code(), Some(2), "an empty file has no good frame either");
 }
 
 #[test]

@@ -21,9 +21,9 @@ fn run(environment: &[(&str, &str)]) -> (String, String) {
 #[test]
 fn a_verdict_has_a_colour_unless_no_color_is_set() {
     let begins = |environment, with| assert!(run(environment).0.starts_with(with), "{environment:?}");
-    begins(&[], "PASS  ");
-    begins(&[("CLICOLOR_FORCE", "1")], "\u{1b}[1m\u{1b}[32mPASS\u{1b}[0m  ");
-    begins(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")], "PASS  ");
+    begins(&[], "PASS, nothing expected  ");
+    begins(&[("CLICOLOR_FORCE", "1")], "\u{1b}[1m\u{1b}[32mPASS, nothing expected\u{1b}[0m  ");
+    begins(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")], "PASS, nothing expected  ");
 }
 
 #[test]

@@ -76,6 +76,8 @@ pub struct OnDevice<'a> {
     /// The drive of all motions: in bench mode each motion starts where the one before has ended, and the encoders count on
     /// from the power-up.
     pub drive: OpenDrive<'a>,
+    /// The mode of all motions: in HIL mode each starts at `[plant.initial]`.
+    pub mode: RunMode,
     pub instruments: Instruments,
     pub period_s: f64,
     /// Folder for the tables of torques.
@@ -108,6 +110,10 @@ impl DriveTrain for OnDevice<'_> {
             (Err(source), _) => return Err(MotionError::Series { motion, source }),
         };
         Ok(Some(Made { series, halt: ran.halt, peaks: ran.peaks }))
+    }
+
+    fn starts_anew(&self) -> bool {
+        self.mode.is_hil()
     }
 }
 

@@ -41,6 +41,7 @@ fn commissioned(
     let mut drive_train = OnDevice {
         scenario: &scenario,
         drive: drive.expect("a drive"),
+        mode: template.run.mode,
         instruments,
         period_s: 1e-3,
         folder: folder.path(),
