@@ -94,8 +94,7 @@ fn a_frequency_response_keeps_within_the_limits_of_the_rig() {
     let short =
         ["--mode", "hil", "--lowest-hz", "2", "--lines", "8", "--settles-s", "0.5", "--realisations", "3"];
     let bode = |more: &[&str]| {
-        let start =
-            ["bode", "scenarios/shaft-pd.toml", "--rig", &path];
+        let start = ["bode", "scenarios/shaft-pd.toml", "--rig", &path];
         program::run([&start[..], &short, &PATIENCE, more].concat())
     };
     let without = bode(&[]).with_code(2).stderr;

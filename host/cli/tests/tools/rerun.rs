@@ -235,7 +235,8 @@ fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     for name in ["scenario.toml", "run.mcap", "record.json"] {
         fs::remove_file(record.join(name)).unwrap();
         for (code, printed) in [rerun(&record, &[]), replay(&record, &["--device", "inproc"])] {
-            let names_it = printed.contains(name) || (name == "record.json" && printed.contains("holds no record"));
+            let names_it =
+                printed.contains(name) || (name == "record.json" && printed.contains("holds no record"));
             assert!(code == Some(2) && names_it, "{code:?}: {printed}");
         }
     }
