@@ -21,9 +21,6 @@ use rigless::image::Image;
 use crate::machine::Machine;
 use crate::turntable::{self, Speeds};
 
-/// A byte on the line: 10 bits of 42 MHz by 46.
-pub const BYTE: Duration = Duration::from_nanos(10_953);
-
 /// Counter of the motor encoder, TIM3.
 pub const MOTOR_COUNTER: u64 = 0x4000_0424;
 /// Status of the tick, TIM5, which its task clears first and reads at its end.
@@ -314,14 +311,13 @@ impl Bench {
         self.act(|chip, _| chip.bridge())
     }
 
-    /// Device time from `instant` to the bridge off for good; `None` if it was on after `instant` until now. The end of a frame is known
-    /// to a byte, which may have begun before, so a bridge that went off within a byte before took no time.
+    /// Device time from `instant` to the bridge off for good; `None` if it was on after `instant` until now.
     ///
     /// # Panics
-    /// The bridge was off a byte before `instant`.
+    /// The bridge was off at `instant`.
     pub fn time_to_off(&mut self, instant: Duration) -> Option<Duration> {
         let changes = self.act(|_, site| site.log.bridge.clone());
-        let before = changes.iter().rfind(|(at, _)| *at + BYTE < instant).expect("a bridge");
+        let before = changes.iter().rfind(|(at, _)| *at < instant).expect("a bridge");
         assert!(before.1.is_on(), "off since {:?}, before {instant:?}", before.0);
         let last_on = changes.iter().rposition(|(_, bridge)| bridge.is_on()).expect("it was on");
         changes.get(last_on + 1).map(|(at, _)| at.saturating_sub(instant))

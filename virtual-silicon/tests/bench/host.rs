@@ -10,11 +10,13 @@ use lashloop_protocol::message::{
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use lashloop_silicon::symbols::Symbols;
 
-use crate::bench::{BYTE, Bench};
+use crate::bench::Bench;
 
 pub const SESSION: u32 = 0x5e55_1014;
 /// Time after which the image has been up for long.
 const BOOT: Duration = Duration::from_millis(20);
+/// A byte on the line: 10 bits of 42 MHz by 46.
+pub const BYTE: Duration = Duration::from_nanos(10_953);
 /// Most that an answer takes.
 const ANSWER: Duration = Duration::from_millis(10);
 
