@@ -60,7 +60,7 @@ pub(crate) enum CliError {
     Output { path: PathBuf, source: io::Error },
     #[error("{}: can't be written: {source}; choose another file with {option}", path.display())]
     Report { path: PathBuf, option: &'static str, source: io::Error },
-    #[error("{}: the report would replace a scenario or its baseline; name another file", path.display())]
+    #[error("{}: this output would replace a scenario or its baseline; name another file", path.display())]
     ReportOverInput { path: PathBuf },
     #[error(transparent)]
     Settings(SettingsError),

@@ -59,7 +59,8 @@ fn step(description: &Description) -> String {
     if facts.is_empty() { "not stated".to_owned() } else { facts.join(", ") }
 }
 
-/// Columns that every record has, as `docs/records.md` lists them: no signal may have their names, nor the prefix of a drive's signals.
+/// Columns that every record has: no signal may have their names, nor the prefix of a drive's signals. This program shares no code with
+/// the bench; a test compares the list with that of `lashloop-plant`.
 const COLUMNS: [&str; 9] = [
     "time_s",
     "reference_rad",

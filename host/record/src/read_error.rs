@@ -24,7 +24,7 @@ pub enum ReadFault {
     #[error("can't be read: {0}")]
     Read(#[from] io::Error),
     /// Nothing is there.
-    #[error("there is no such folder; name one that `lashloop run --out` has written")]
+    #[error("the folder doesn't exist; name one that `lashloop run --out` has written")]
     NoFolder,
     /// It isn't a record.
     #[error("holds no record; name a folder that `lashloop run --out` has written")]

@@ -228,3 +228,13 @@ fn show_prints_a_section_that_runs() {
     let ended = program::run(["fmu", "show", "README.md"]).with_code(2);
     assert!(ended.stderr.starts_with("lashloop-fmu: README.md isn't an FMU: "), "{}", ended.stderr);
 }
+
+/// The program shares no code with the bench, so it has the names a second time.
+#[test]
+fn the_loader_knows_the_columns_that_every_record_has() {
+    let source = include_str!("../../../host/fmu/src/show.rs");
+    let (_, list) = source.split_once("const COLUMNS: [&str; 9] = [").expect("the list");
+    let (list, _) = list.split_once("];").expect("its end");
+    let names: Vec<&str> = list.split('"').skip(1).step_by(2).collect();
+    assert_eq!(names, lashloop_plant::FIXED_COLUMNS);
+}

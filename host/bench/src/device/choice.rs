@@ -11,7 +11,7 @@ use super::error::DeviceError;
 use super::kind::{DeviceKind, Syntax};
 use super::kinds;
 use super::pin_plant::PinPlant;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, nearest};
 use crate::timing::ClockName;
 
 /// The drive of a session: parsed from the text after `--device`, and displayed as that text.
@@ -81,16 +81,11 @@ pub fn forms(kinds: &[Syntax]) -> String {
 
 /// The device that was probably meant: a terminal without its folder, or a kind in other letters.
 fn suggestion(text: &str, kinds: &[Syntax]) -> String {
-    const MIN_SIMILARITY: f64 = 0.6;
     if text.starts_with("tty") {
         return format!(" (did you mean /dev/{text}?)");
     }
-    let small = text.to_lowercase();
     let words = kinds.iter().map(|it| it.form).filter(|form| form.bytes().all(|it| it.is_ascii_lowercase()));
-    let best = words.map(|word| (strsim::normalized_damerau_levenshtein(word, &small), word));
-    let best =
-        best.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(similarity, _)| *similarity >= MIN_SIMILARITY);
-    best.map_or_else(String::new, |(_, word)| format!(" (did you mean {word}?)"))
+    nearest(text, words).map_or_else(String::new, |word| format!(" (did you mean {word}?)"))
 }
 
 impl fmt::Display for DeviceChoice {

@@ -8,6 +8,8 @@ use lashloop_protocol::message::FaultReport;
 use lashloop_protocol::parameter_names::{LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, WATCHDOG_US};
 use lashloop_session::AtStep;
 
+use crate::number::{Apart, Shown};
+
 /// The fault of a drive that ended a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveFault {
@@ -85,26 +87,6 @@ impl Meaning {
     }
 }
 
-/// A value of a report with its unit; times in ms. Five digits tell a value from a limit that it exceeds by a little.
-struct Shown(f32, &'static str);
-
-impl fmt::Display for Shown {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(value, unit) = *self;
-        let (value, unit) = if unit == "s" { (1e3 * f64::from(value), "ms") } else { (value.into(), unit) };
-        write!(out, "{} {unit}", rounded(value))
-    }
-}
-
-/// With five significant digits.
-fn rounded(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value;
-    }
-    let digits = 10_f64.powi(4 - value.abs().log10().floor() as i32);
-    (value * digits).round() / digits
-}
-
 impl fmt::Display for DriveFault {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let AtStep { step, message: FaultReport { code, value, limit, detail, .. } } = self.report;
@@ -134,8 +116,10 @@ impl fmt::Display for DriveFault {
                 match Meaning::of(code, detail) {
                     Some(Meaning { what, unit, limit_name, cause }) => {
                         let above = limit_name.map_or_else(String::new, |name| format!("{name}, "));
-                        let [value, limit] = [value, limit].map(|it| Shown(it, unit));
-                        write!(out, ": {what} {value}, above {above}{limit}")?;
+                        let (factor, unit) = if unit == "s" { (1e3, "ms") } else { (1.0, unit) };
+                        let [value, limit] = [value, limit].map(|it| factor * f64::from(it));
+                        let (shown, limit) = (Apart::new(value, None, Some(limit)), Shown(limit));
+                        write!(out, ": {what} {shown} {unit}, above {above}{limit} {unit}")?;
                         if cause.is_empty() { Ok(()) } else { write!(out, ": {cause}") }
                     }
                     None => write!(out, " (value {value}, limit {limit})"),

@@ -63,6 +63,7 @@ pub use self::origin::Origin;
 pub use self::overrides::Override;
 pub use self::reader::Section;
 pub use self::sections::RunMode;
+pub(crate) use self::spelling::nearest;
 pub use self::traps::Trap;
 
 use self::bench::BenchSettings;

@@ -51,7 +51,7 @@ pub(super) fn either<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
 const MIN_SIMILARITY: f64 = 0.6;
 
 /// The word that was probably meant: one that differs by case alone, or resembles it.
-pub(super) fn nearest<'a>(text: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(text: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let small = text.to_lowercase();
     let similarity = |word: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), &small);
     let best = words.into_iter().map(|word| (similarity(word), word)).max_by(|a, b| a.0.total_cmp(&b.0));

@@ -9,6 +9,7 @@ use lashloop_decode::message::AnyMessage;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
+use crate::diff::Runs;
 use crate::support::{LASHLOOP, STEPS, lashloop, root, short_run, text};
 
 #[test]
@@ -86,4 +87,23 @@ fn a_capture_that_can_t_be_written_ends_the_run_by_name() {
     assert_eq!(ended.status.code(), Some(2));
     let report = text(&ended.stderr);
     assert!(report.contains("/dev/full") && report.contains("can't be written"), "{report}");
+}
+
+#[test]
+fn a_capture_or_an_fmu_replaces_neither_its_scenario_nor_a_record() {
+    let (folder, runs) = (tempfile::tempdir().unwrap(), Runs::new());
+    let scenario = folder.path().join("a.toml");
+    fs::copy(root().join("scenarios/smooth-after.toml"), &scenario).unwrap();
+    let record = runs.run("a", &[]).join("run.mcap");
+    let before = [&scenario, &record].map(|path| fs::read(path).unwrap());
+    let name = scenario.to_str().unwrap();
+    for words in [
+        ["run", name, "--device", "inproc", "--capture", name],
+        ["run", name, "--device", "inproc", "--capture", record.to_str().unwrap()],
+        ["fmu", "export", name, "--of=plant", "--out", name],
+    ] {
+        let ended = lashloop(&words, &[]);
+        assert_eq!(ended.status.code(), Some(2), "{words:?}: {}", text(&ended.stderr));
+    }
+    assert!([&scenario, &record].map(|path| fs::read(path).unwrap()) == before);
 }

@@ -125,7 +125,7 @@ fn unusable_record_is_named_by_its_file() {
     let runs = Runs::new();
     let nowhere = runs.folder("nowhere");
     let error = plot(&[&nowhere]).unwrap_err();
-    assert!(error.contains("nowhere: there is no such folder"), "{error}");
+    assert!(error.contains("nowhere: the folder doesn't exist"), "{error}");
 
     let one = runs.run("one", &[]);
     samples::rename(&one, "torque_nm", "torpor_nm");

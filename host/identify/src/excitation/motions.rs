@@ -54,7 +54,7 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
     PlannedMotion::from_rest(name.to_owned(), (0..samples).map(torque), period_s)
 }
 
-/// A constant torque from wherever the drive train is. The first one is none.
+/// A constant torque from wherever the drive train is. The first is 0.
 pub(super) fn held(torque_nm: f64, number: u32, duration_s: f64, period_s: f64) -> PlannedMotion {
     let samples = ((duration_s / period_s).ceil() as usize).max(Series::SAMPLES_MIN);
     let name = format!("rest-{number}");
